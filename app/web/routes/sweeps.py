@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import math
 from contextlib import nullcontext
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
@@ -29,8 +27,6 @@ from vibrafeed.app.web.dependencies import (
     WhoOf,
     WriterOf,
     refuse_repeated,
-    settings_of,
-    store_of,
 )
 from vibrafeed.app.web.documents import NETCDF_TYPE
 from vibrafeed.app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
@@ -228,19 +224,18 @@ async def get_slice(
 
     HEAD says whether the slice can be taken, and computes nothing.
     """
-    settings, store = await settings_of(request), await store_of(request)
+    state = request.app.state
     fixed = {
         name: value
         for name, value in request.query_params.multi_items()
         if name not in ("output", "axes", "format")
     }
     chosen = form or form_for(request, FORMS | tables_there(), missing=missing_packages())
-    wish = _Wish(output, axes.split(","), fixed, settings.max_slice_cells)
+    names, most = axes.split(","), state.settings.max_slice_cells
     written = writer_version(chosen) if chosen in TABLES else chosen
     words = [f"{name}={value}" for name, value in sorted(fixed.items())]
     etag = etag_of(key, np.__version__, written, output, axes, *words)
     reply = not_modified(request, etag, FOR_EVER)
-    is_read = request.method == "GET" and chosen in FORMS
 
     def look() -> tuple[Prepared, SliceCut, bytes | None]:
         """Return the sweep, the slice not computed yet, and it encoded if it is small.
@@ -248,24 +243,23 @@ async def get_slice(
         A second thread for a small slice would take as long again. A wrong request is refused here,
         before it waits.
         """
-        sweep = store.sweep(key)
-        cut = wish.prepared(sweep)
-        if not is_read or wish.values(sweep) > LARGE:
-            return sweep, cut, None
-        return sweep, cut, encode_slice(cut, chosen)
+        sweep = state.store.sweep(key)
+        cut = prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
+        is_small = chosen in FORMS and request.method == "GET" and cut.grid.cells <= LARGE
+        return sweep, cut, encode_slice(cut, chosen) if is_small else None
 
     if reply is not None:
-        await run_in_threadpool(store.sweep, key)  # what is not there is not unchanged
+        await run_in_threadpool(state.store.sweep, key)  # what is not there is not unchanged
     else:
         sweep, cut, made = await run_in_threadpool(look)
         # Small ones do not wait for a thread behind large ones, nor an owner for another's.
-        lane = request.app.state.large_slices if wish.values(sweep) > LARGE else None
+        lane = state.large_slices if cut.grid.cells > LARGE else None
         turn = nullcontext() if lane is None else large_slot_of(request)
         media_type = (FORMS | TABLES)[chosen]
         if request.method == "HEAD":
             reply = without_length(media_type)
         elif chosen in TABLES:
-            rows = most_rows(settings, chosen, wish.most)
+            rows = most_rows(state.settings, chosen, most)
             async with turn:
                 threads = threads_of(request)
                 frame = await to_thread.run_sync(
@@ -278,31 +272,13 @@ async def get_slice(
                 async with turn:  # in a thread it would hold up everybody's small ones
                     text = await run_in_threadpool(sweep.study.canonical)
                     made = await calculate_in_process(
-                        request, encode_slice_of, text, output, wish.axes, fixed, wish.most, chosen,
-                        threads_of(request), seconds=settings.max_execution_seconds,
+                        request, encode_slice_of, text, output, names, fixed, most, chosen,
+                        threads_of(request), seconds=state.settings.max_execution_seconds,
                     )  # fmt: skip
             reply = Response(made, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"
     return reply
-
-
-@dataclass(frozen=True)
-class _Wish:
-    """The slice that a request asks for: an output over axes, other axes fixed; `most` values."""
-
-    output: str
-    axes: list[str]
-    fixed: dict[str, str]
-    most: int
-
-    def values(self, sweep: Prepared) -> int:
-        """Return the number of values, as far as the names are axes."""
-        return math.prod(sweep.grid.shape.get(name, 1) for name in self.axes)
-
-    def prepared(self, sweep: Prepared) -> SliceCut:
-        """Check the request against the sweep and return the slice, not computed yet."""
-        return prepare_cut(sweep, output=self.output, axes=self.axes, at=self.fixed, most=self.most)
 
 
 @router.get(
