@@ -17,8 +17,10 @@ from fastapi_offline import FastAPIOffline
 
 from vibrafeed import core
 from vibrafeed.app import traces
+from vibrafeed.app.jobs import work
 from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.cluster import Cluster
+from vibrafeed.app.jobs.fair_queue import FairQueue
 from vibrafeed.app.jobs.keys import Keys
 from vibrafeed.app.jobs.ledger import Ledger
 from vibrafeed.app.jobs.process_pool import ProcessPool
@@ -43,7 +45,7 @@ from vibrafeed.app.web.routes import (
     sweeps,
     zarr,
 )
-from vibrafeed.app.web.shares import CORES, SLOTS, Shares
+from vibrafeed.app.web.shares import CORES
 from vibrafeed.app.web.warmth import Warmth
 from vibrafeed.app.web.zarr_views import ZarrViews
 
@@ -64,10 +66,10 @@ def create_app(settings: Settings) -> FastAPI:
     store = Store(settings.data_directory)
     ledger = Ledger(settings.ledger)
     keys = Keys(ledger.database, settings.api_key_hashes)
-    cluster = Cluster(settings.scheduler, settings.workers)
-    runner = Runner(ledger, store, cluster, settings)
+    process_pool = ProcessPool(settings.workers, (calculations.__name__, work.__name__))
+    workers = Cluster(settings.scheduler) if settings.scheduler else process_pool
+    runner = Runner(ledger, store, workers, settings)
     admission = Admission(ledger, store, settings, runner.wake, runner.waits)
-    process_pool = ProcessPool(SLOTS, (calculations.__name__,))
     writer = Writer(store, admission.make_room, settings, process_pool)
     warmth = Warmth()
 
@@ -88,17 +90,15 @@ def create_app(settings: Settings) -> FastAPI:
         tidying = asyncio.create_task(_tidy(admission, stopping))
         beside = [asyncio.create_task(app.state.metrics.watch_loop())]
         if settings.warm_at_start:
-            warmth.start()
+            beside.append(asyncio.create_task(warmth.compile(process_pool)))
             beside.append(asyncio.create_task(process_pool.start()))
         yield
+        await runner.stop()  # first of all: others may go on with the work
         for task in beside:
             task.cancel()
-        await runner.stop()  # first of all: others may go on with the work
-        await warmth.stop()
         stopping.set()
         await tidying
         await asyncio.to_thread(process_pool.close)
-        store.close()
         ledger.close()
         if spans is not None:
             await asyncio.to_thread(spans.close)
@@ -118,9 +118,8 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.writer = writer
     app.state.admission = admission
     app.state.keys = keys
-    app.state.shares = Shares()
-    app.state.large_shares = Shares(of_owner=max(1, CORES - 1))
-    app.state.lists = Shares(of_owner=1)
+    app.state.large_shares = FairQueue(max(2, CORES))
+    app.state.lists = FairQueue(CORES + 1, of_owner=1)
     app.state.process_pool = process_pool
     app.state.made_once = MadeOnce()
     app.state.views = ZarrViews(store)
@@ -129,7 +128,7 @@ def create_app(settings: Settings) -> FastAPI:
     # Of (name, check): see `vibrafeed.app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.fault), ("ledger", ledger.fault)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
-    watch_jobs(app.state.metrics, admission, cluster, settings)
+    watch_jobs(app.state.metrics, admission, workers.alive, settings)
     runner.work_progress.witnesses.append(app.state.metrics)
     spans = traces.configured()
     if spans is not None:

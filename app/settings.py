@@ -187,14 +187,15 @@ class Settings(BaseSettings):
     scheduler: str | None = Field(
         default=None,
         pattern=r"^(tcp|tls)://",
-        description="Address of a Dask scheduler whose workers see the data directory under the "
-        "same path; by default the service starts its own workers.",
+        description="Address of a Dask scheduler that computes the blocks of jobs, as in "
+        "`tls://scheduler.example:8786`; its workers see the data directory under the same path. "
+        "Whoever reaches a scheduler runs code on its workers.",
     )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         gt=0,
-        description="Number of worker processes that the service starts; by default one for "
-        "each processor core.",
+        description="Number of processes that compute; by default one for each processor core. "
+        "One more is kept for short work.",
     )
     lease_seconds: float = Field(
         default=15.0,
@@ -309,6 +310,20 @@ class Settings(BaseSettings):
             if why is not None:
                 raise ValueError(why)
         return url
+
+    @field_validator("scheduler")
+    @classmethod
+    def _cluster(cls, address: str | None) -> str | None:
+        """Return the address of the scheduler unchanged.
+
+        Raise `ValueError` if it needs distributed, missing here.
+        """
+        if address and find_spec("distributed") is None:
+            raise ValueError(
+                "a Dask scheduler needs the package distributed, which is missing: "
+                f"{installing('distributed', 'cluster')}"
+            )
+        return address
 
     @field_validator("cors_origins")
     @classmethod

@@ -78,6 +78,7 @@ def serve(
     _check_address(host, port)
     service = create_app(settings)
     _check_directory(settings.data_directory.absolute())
+    _choose_temporary_folder(settings.data_directory.absolute())
     _check_ledger(settings, service.state.admission.ledger, new_ledger)
     logs.configure()
     if not (behind_proxy or is_loopback(host)):
@@ -193,6 +194,20 @@ def _check_directory(directory: Path) -> None:
         is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
         first = f"Make room there, {LEDGER_BYTES:,} bytes at least, or set" if is_full else "Set"
         _refuse_directory(directory, error.strerror or str(error), first)
+
+
+def _choose_temporary_folder(directory: Path) -> None:
+    """Use a folder in the data directory for temporary files if the system has none."""
+    try:
+        tempfile.gettempdir()
+    except FileNotFoundError:  # as on a read-only root
+        temporary = directory / "tmp"
+        try:
+            temporary.mkdir(exist_ok=True)
+        except OSError as error:
+            why = f"it can hold no folder for temporary files: {error.strerror}"
+            _refuse_directory(directory, why, "Set TMPDIR to another folder, or set")
+        os.environ["TMPDIR"] = str(temporary)  # of the workers too
 
 
 def _check_ledger(settings: Settings, ledger: Ledger, new_ledger: bool) -> None:

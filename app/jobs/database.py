@@ -91,8 +91,6 @@ class Database:
     ----------
     is_damaged : bool
         True once a read or a change has found the database damaged.
-    faults : int
-        Errors that the database has reported.
     """
 
     def __init__(self, where: Path | str):
@@ -109,7 +107,6 @@ class Database:
         self._mine = threading.local()  # the connection of a thread that is in a transaction
         self._opened: Engine | None = None
         self.is_damaged = False
-        self.faults = 0
 
     def close(self) -> None:
         """Close all connections to the database; the next use opens new ones."""
@@ -253,14 +250,12 @@ class Database:
         try:
             yield
         except exc.TimeoutError as error:
-            self.faults += 1
             raise OSError(
                 errno.EAGAIN, "all connections to the job database are in use; try again later"
             ) from error
         except exc.DBAPIError as error:
             plain = _plain(error)
             self.is_damaged |= isinstance(plain, DamagedLedgerError)
-            self.faults += 1
             if plain is None:
                 raise
             raise plain from error

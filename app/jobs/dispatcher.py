@@ -1,8 +1,9 @@
-"""Dispatch of the blocks of an item of work to Dask, and the writing of its result."""
+"""Dispatch of the blocks of an item of work to workers, and the writing of its result."""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections import Counter, deque
@@ -13,11 +14,10 @@ from typing import Any, TypeVar
 from vibrafeed.app.jobs import work
 from vibrafeed.app.jobs.cluster import Cluster
 from vibrafeed.app.jobs.errors import TornBlockError
-from vibrafeed.app.jobs.executor import Executor
-from vibrafeed.app.jobs.fair_queue import FairQueue, share_of
+from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.ledger import Ledger, Work
+from vibrafeed.app.jobs.process_pool import EndedError, ProcessPool
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.jobs.thread_pool import ThreadPool
 from vibrafeed.app.jobs.work_progress import WorkProgress
 from vibrafeed.app.settings import Settings
 from vibrafeed.core.code_version import code_version
@@ -28,13 +28,21 @@ logger = logging.getLogger("vibrafeed.jobs")
 _T = TypeVar("_T")
 
 MAX_TORN = 3  # times that one block is found damaged
-# In times of a block: calls that last longer count as long, and leave one worker to short ones.
-LASTS = 10
+MAX_DEATHS = 3  # workers that die of one call
 MORE = 4  # ratio of the numbers of blocks of a call and of the one that ended before
 
 
 class TooLongError(VibrafeedError):
     """A study takes longer than a job may."""
+
+
+class WorkersDieError(VibrafeedError):
+    """A block takes its workers down."""
+
+
+def owner_of(item: Work) -> str:
+    """Return the account that an item of work is charged to: its owner, or itself without keys."""
+    return f"{OF_KEY}{item.asker}" if item.asker else item.key
 
 
 class RunningTime:
@@ -108,14 +116,12 @@ class _Progress:
 
 
 class Dispatcher:
-    """Carries out items of work on a cluster.
+    """Carries out items of work on workers.
 
     Parameters
     ----------
-    ledger, store, cluster
+    ledger, store, workers
         Where progress is noted, where files are, and where the work runs.
-    thread_pool : ThreadPool
-        Runs calls that wait for the ledger or the disk.
     settings : Settings
         The service's.
 
@@ -123,24 +129,15 @@ class Dispatcher:
     ----------
     work_progress : WorkProgress
         Receives reports of finished blocks.
-    executor : Executor
-        Runs the calls on workers.
     """
 
     def __init__(
-        self,
-        ledger: Ledger,
-        store: Store,
-        cluster: Cluster,
-        thread_pool: ThreadPool,
-        settings: Settings,
+        self, ledger: Ledger, store: Store, workers: ProcessPool | Cluster, settings: Settings
     ):
-        """Dispatch the work of a ledger to a cluster; results go to the store."""
-        self._ledger, self._store = ledger, store
-        self._thread_pool, self._settings = thread_pool, settings
+        """Dispatch the work of a ledger to workers; results go to the store."""
+        self._ledger, self._store, self._workers = ledger, store, workers
+        self._settings = settings
         self._directory = str(settings.data_directory.resolve())
-        fair_queue = FairQueue(LASTS * settings.block_seconds)
-        self.executor = Executor(cluster, fair_queue, settings.grace_seconds)
         self.work_progress = WorkProgress()
 
     async def carry_out(self, item: Work, seconds: float) -> None:
@@ -153,13 +150,7 @@ class Dispatcher:
         most = self._settings.max_job_seconds
         try:
             async with asyncio.timeout(None) as limit:
-                try:
-                    await self._compute_and_write(
-                        _Progress(item, seconds, RunningTime(most, limit))
-                    )
-                except BaseException:
-                    self._store.give_up(item.key, item.owner)
-                    raise
+                await self._compute_and_write(_Progress(item, seconds, RunningTime(most, limit)))
         except TimeoutError as error:
             if not limit.expired():
                 raise
@@ -174,8 +165,8 @@ class Dispatcher:
         Blocks that were stored while it was computed are then removed. `item` is the item of work:
         the study that jobs wait for.
         """
-        await self._thread_pool(self._store.drop_blocks, item.key)
-        return await self._thread_pool(self._store.manifest, item.key) is not None
+        await asyncio.to_thread(self._store.drop_blocks, item.key)
+        return await asyncio.to_thread(self._store.manifest, item.key) is not None
 
     async def _compute_and_write(self, progress: _Progress) -> None:
         """Compute missing blocks of an item and write its result; repeat while any is damaged.
@@ -190,7 +181,7 @@ class Dispatcher:
         while True:
             if await self.is_there(item):
                 return
-            missing = await self._thread_pool(
+            missing = await asyncio.to_thread(
                 work.missing_blocks, self._directory, *about, item.blocks
             )
             spent += await self._compute(progress, missing)
@@ -205,7 +196,7 @@ class Dispatcher:
                 return
 
     async def _compute(self, progress: _Progress, missing: list[int]) -> float:
-        """Compute blocks of an item on the cluster, two calls per worker at a time; return seconds.
+        """Compute blocks of an item, two calls per worker at a time; return seconds.
 
         `missing` are the numbers of the blocks. The seconds [s] are summed over all workers;
         `progress`, the ledger and observers are updated after each call. If one fails or this is
@@ -219,7 +210,7 @@ class Dispatcher:
         try:
             while True:
                 # Most of them wait for their turn; no worker is to wait for them.
-                calls = max(1, 2 * self.executor.workers)
+                calls = 2 * self._workers.fair_queue.slots
                 while waiting and len(running) < calls:
                     count = min(progress.blocks, max(1, len(waiting) // calls))
                     indices = [waiting.popleft() for _ in range(count)]
@@ -243,6 +234,8 @@ class Dispatcher:
                 total += sum(seconds)
                 await self._note(progress, sum(seconds))
         finally:
+            if running:  # else they would go on to the end
+                self._store.give_up(item.key, item.owner)
             for task in running:
                 task.cancel()
             await asyncio.gather(*running, *finished, return_exceptions=True)
@@ -263,10 +256,10 @@ class Dispatcher:
     async def _on_worker(
         self, progress: _Progress, blocks: int, function: Callable[..., _T], *arguments: Any
     ) -> _T:
-        """Run a function on a worker of the cluster and return its result.
+        """Run a function on a worker when its turn comes, and return its result.
 
-        The time limit of the item runs only while a worker executes the call, not while the call
-        waits for a free worker.
+        The time limit of the item runs only while a worker executes the call. A call that is given
+        up gets a grace period to end by itself.
 
         Parameters
         ----------
@@ -277,6 +270,11 @@ class Dispatcher:
         function : callable
             A function of `vibrafeed.app.jobs.work`, which is called with the data directory and
             `arguments`.
+
+        Raises
+        ------
+        WorkersDieError
+            If the call crashes its workers.
         """
         has_begun = False
 
@@ -291,14 +289,23 @@ class Dispatcher:
                 progress.first_note = asyncio.create_task(self._note(progress, 0.0))
             await asyncio.shield(progress.first_note)  # before any other note
 
-        share, seconds = share_of(progress.item), blocks * progress.seconds
-        try:
-            return await self.executor.run(
-                share, seconds, began, function, self._directory, *arguments
-            )
-        finally:
-            if has_begun:
-                progress.running.end()
+        await self._workers.prepare()
+        owner, seconds = owner_of(progress.item), blocks * progress.seconds
+        async with self._workers.fair_queue.slot(owner, seconds):
+            try:
+                for _ in range(MAX_DEATHS):
+                    with contextlib.suppress(EndedError):  # perhaps of something else
+                        return await self._workers(
+                            function, self._directory, *arguments,
+                            began=began, grace=self._settings.grace_seconds,
+                        )  # fmt: skip
+            finally:
+                if has_begun:
+                    progress.running.end()
+        raise WorkersDieError(
+            "The job failed: a block crashed every worker that ran it, perhaps because memory ran "
+            "out. Post a smaller study, or give the workers more memory."
+        )
 
     async def _note(self, progress: _Progress, seconds: float) -> None:
         """Write the number of finished blocks of an item into the ledger, for its jobs to show.
@@ -306,7 +313,7 @@ class Dispatcher:
         `seconds` is the computing time since the last note [s], summed over workers. `progress` has
         the item, the number, and when the first block began.
         """
-        await self._thread_pool(
+        await asyncio.to_thread(
             self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
             elapsed=time.monotonic() - progress.began,
         )  # fmt: skip

@@ -16,9 +16,9 @@ import time
 import uuid
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
-from sqlalchemy import Row, select
+from sqlalchemy import select
 
 from vibrafeed.app.jobs import audit
 from vibrafeed.app.jobs.database import Database
@@ -168,8 +168,9 @@ class Keys:
 
     def all(self) -> list[Key]:
         """Return all keys in the ledger, including expired and withdrawn ones, oldest first."""
-        found = select(KEYS).order_by(KEYS.c.created, KEYS.c.id)
-        return [_key(row) for row in self._database.read(found)]
+        found = select(*(column for column in KEYS.c if column.name != "id"))
+        rows = self._database.read(found.order_by(KEYS.c.created, KEYS.c.id))
+        return [Key(**row._mapping) for row in rows]
 
     def note_refused(self, address: str, name: str) -> None:
         """Write into the audit log that a key was refused: its address, and its name if known."""
@@ -224,13 +225,6 @@ class Keys:
             if secrets.compare_digest(key.hash, digest):
                 match = key
         return match
-
-
-def _key(row: Row[*tuple[Any, ...]]) -> Key:
-    """Return the key in a row of the ledger."""
-    fields = dict(row._mapping)
-    del fields["id"]
-    return Key(**fields)
 
 
 def _problems_of(key: Key, days: float | None) -> list[Problem]:

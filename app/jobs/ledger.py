@@ -341,12 +341,7 @@ class Ledger:
         return {row.id: job_of(row) for row in rows}
 
     def jobs(
-        self,
-        wanted: Wanted | None = None,
-        *,
-        limit: int,
-        after: tuple[float, str] | None = None,
-        offset: int = 0,
+        self, wanted: Wanted | None = None, *, limit: int, after: tuple[float, str] | None = None
     ) -> list[Job]:
         """Return `limit` jobs that match a filter, newest first; None matches all jobs.
 
@@ -357,7 +352,7 @@ class Ledger:
         if after is not None:
             chosen = chosen.where(place < after)
         latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id.desc())
-        return [job_of(row) for row in self._read(latest.limit(limit).offset(offset))]
+        return [job_of(row) for row in self._read(latest.limit(limit))]
 
     def dismiss(self, number: str) -> Job | None:
         """Mark a job as dismissed by its client, and return it; None if there is no such job.

@@ -16,12 +16,11 @@ from typing import IO, Any
 
 from vibrafeed.app.jobs import disk
 from vibrafeed.app.jobs.cluster import Cluster
-from vibrafeed.app.jobs.dispatcher import Dispatcher, TooLongError
+from vibrafeed.app.jobs.dispatcher import Dispatcher, TooLongError, WorkersDieError
 from vibrafeed.app.jobs.errors import BlindWorkerError, OtherVersionError, TornBlockError
-from vibrafeed.app.jobs.executor import LostError, WorkersDieError
 from vibrafeed.app.jobs.ledger import Ledger, Work
+from vibrafeed.app.jobs.process_pool import LostError, ProcessPool
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.jobs.thread_pool import ThreadPool
 from vibrafeed.app.settings import Settings
 
 logger = logging.getLogger("vibrafeed.jobs")
@@ -63,7 +62,7 @@ class Runner:
 
     Parameters
     ----------
-    ledger, store, cluster
+    ledger, store, workers
         Where work is kept, where its files are, and where it runs.
     settings : Settings
         The service's.
@@ -74,14 +73,15 @@ class Runner:
         Reports the begin, the blocks and the end of each item of work.
     """
 
-    def __init__(self, ledger: Ledger, store: Store, cluster: Cluster, settings: Settings):
-        """Claim work of a ledger for this server, to be computed on a cluster."""
-        self._ledger, self._store, self._cluster = ledger, store, cluster
+    def __init__(
+        self, ledger: Ledger, store: Store, workers: ProcessPool | Cluster, settings: Settings
+    ):
+        """Claim work of a ledger for this server, to be computed by workers."""
+        self._ledger, self._store, self._workers = ledger, store, workers
         self._settings = settings
         self._directory = str(settings.data_directory.resolve())
         self._server = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
-        self._thread_pool = ThreadPool()
-        self._dispatcher = Dispatcher(ledger, store, cluster, self._thread_pool, settings)
+        self._dispatcher = Dispatcher(ledger, store, workers, settings)
         self.work_progress = self._dispatcher.work_progress
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
@@ -92,7 +92,7 @@ class Runner:
     async def start(self) -> None:
         """Release work that a killed server has left, and begin to claim work."""
         self._loop = asyncio.get_running_loop()
-        await self._thread_pool(self._clear_up)
+        await asyncio.to_thread(self._clear_up)
         self._main = asyncio.create_task(self._run(), name="jobs")
 
     async def stop(self) -> None:
@@ -105,17 +105,12 @@ class Runner:
         tasks = [task for task in (self._main, *keeping) if task is not None]
         for task in tasks:
             task.cancel()
+        await asyncio.to_thread(self._workers.close)  # tasks wait for what they run
         await asyncio.gather(*tasks, return_exceptions=True)
-        await self._dispatcher.executor.close()
         try:
-            await self._thread_pool(self._ledger.release, self._server)
+            await asyncio.to_thread(self._ledger.release, self._server)
         except Exception:  # such as a full disk: the leases run out
             logger.exception("leases cannot be given up")
-        try:
-            await self._cluster.close()
-        except Exception:
-            logger.exception("the cluster did not close")
-        self._thread_pool.close()
         if self._alone is not None:
             self._alone.close()
 
@@ -128,11 +123,12 @@ class Runner:
         """Return the reason why jobs cannot be carried out; None if they can."""
         if self._main is None or self._main.done():
             return "no work is looked for"
-        return self._dispatcher.executor.trouble
+        return self._workers.trouble
 
     def waits(self) -> str | None:
         """Return the reason why unstarted work waits, other than its place in the queue."""
-        return self._dispatcher.executor.waits()
+        is_busy = self._workers.fair_queue.waiting
+        return self._workers.trouble or ("all workers are busy" if is_busy else None)
 
     def _clear_up(self) -> None:
         """Release all leases and remove temporary files if no other server uses the data directory.
@@ -185,13 +181,11 @@ class Runner:
         other servers use too.
         """
         while True:
-            candidate = await self._thread_pool(self._next)
+            candidate = await asyncio.to_thread(self._next)
             if candidate is None:
-                if not self._active:  # nothing waits for the workers
-                    self._dispatcher.executor.trouble = None
                 return
             lease = self._settings.lease_seconds
-            item = await self._thread_pool(self._ledger.claim, self._server, lease, candidate.key)
+            item = await asyncio.to_thread(self._ledger.claim, self._server, lease, candidate.key)
             if item is not None:  # no other server was quicker
                 keeping = asyncio.create_task(self._keep(item), name=item.key)
                 self._active[item.owner] = item, keeping
@@ -218,16 +212,16 @@ class Runner:
             if problem is not None and await self._dispatcher.is_there(item):
                 problem = None  # another server, which took this one for dead, has finished it
             if problem is None:
-                await self._thread_pool(self._ledger.succeed, item)
+                await asyncio.to_thread(self._ledger.succeed, item)
                 self.work_progress.ended(item, "done")
             else:
-                await self._thread_pool(self._ledger.fail, item, problem)
+                await asyncio.to_thread(self._ledger.fail, item, problem)
                 self.work_progress.ended(item, "failed", problem["title"])
         except LostError as lost:
             logger.warning("work is tried again: %s", lost, extra=about)
             await asyncio.sleep(RETRY)
             with contextlib.suppress(OSError, sqlite3.Error):  # then the lease runs out
-                await self._thread_pool(self._ledger.release, item.owner)
+                await asyncio.to_thread(self._ledger.release, item.owner)
         except Exception:
             # Such as a ledger on a full disk: the lease runs out, and the work is tried again.
             logger.exception("work interrupted", extra=about)
@@ -256,10 +250,10 @@ class Runner:
                 return
             age = time.monotonic() - renewed
             try:
-                if not await self._thread_pool(self._ledger.holds, item):
+                if not await asyncio.to_thread(self._ledger.holds, item):
                     return
                 if age > lease / 4:
-                    if not await self._thread_pool(self._ledger.renew, item, lease):
+                    if not await asyncio.to_thread(self._ledger.renew, item, lease):
                         return
                     renewed += age
             except (OSError, sqlite3.Error):

@@ -191,5 +191,9 @@ UPGRADES: tuple[tuple[str, ...], ...] = (
     (  # Lists of jobs page by the time of entry and the identifier.
         "DROP INDEX jobs_by_time",
         "CREATE INDEX jobs_by_time ON jobs (created, id)",
+        "DROP INDEX jobs_by_state",
+        "CREATE INDEX jobs_by_state ON jobs (state, created, id)",
+        "DROP INDEX jobs_by_owner",
+        "CREATE INDEX jobs_by_owner ON jobs (owner, state)",
     ),
 )

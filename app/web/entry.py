@@ -14,6 +14,7 @@ from starlette.responses import Response
 from starlette.types import Scope
 
 from vibrafeed.app import logs
+from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.keys import NOBODY, Key, Keys, hash_of
 from vibrafeed.app.web.replies import problem_document
 
@@ -26,7 +27,6 @@ MAX_KEYS = 2  # in one request: each takes a look at all keys
 INVALID = RateLimitItemPerMinute(60)  # wrong keys of an address; more of them are answered by 429
 FIRST = RateLimitItemPerMinute(1)  # of them, which is noted in the audit log
 NOTED = RateLimitItemPerMinute(10)  # entries there in all: each is written to the disk
-OF_KEY = "key "  # begins the name of an owner who has a key
 SOON = 0.01  # s between checks that another request has read the keys
 
 

@@ -21,9 +21,10 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from vibrafeed.app.jobs import disk
+from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.keys import Keys
 from vibrafeed.app.settings import Settings
-from vibrafeed.app.web.entry import OF_KEY, SAFE_METHODS, Entry, owner_of, path_of
+from vibrafeed.app.web.entry import SAFE_METHODS, Entry, owner_of, path_of
 from vibrafeed.app.web.problems import STATUS, TooLargeError
 from vibrafeed.app.web.replies import problem_document, problems
 

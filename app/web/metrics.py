@@ -23,7 +23,6 @@ from prometheus_client.registry import Collector
 
 from vibrafeed import core
 from vibrafeed.app.jobs.admission import Admission
-from vibrafeed.app.jobs.cluster import Cluster
 from vibrafeed.app.jobs.ledger import Work
 from vibrafeed.app.settings import Settings
 
@@ -145,7 +144,7 @@ class Metrics:
 
 
 def watch_jobs(
-    metrics: Metrics, admission: Admission, cluster: Cluster, settings: Settings
+    metrics: Metrics, admission: Admission, workers: Callable[[], int], settings: Settings
 ) -> None:
     """Add the metrics of jobs, workers and disk to those that the service reports.
 
@@ -155,8 +154,8 @@ def watch_jobs(
         Where they are added.
     admission : Admission
         Knows jobs, queue and used bytes.
-    cluster : Cluster
-        Knows the number of workers.
+    workers : callable
+        Returns the number of workers.
     settings : Settings
         The service's: quota and data directory.
     """
@@ -175,9 +174,7 @@ def watch_jobs(
         ("oldest_waiting_seconds", "Age of the study that has waited longest for its turn.",
          lambda: ledger.queue().oldest),
         ("ledger_fault", "1 if the ledger cannot be read.", lambda: ledger.fault() is not None),
-        ("workers", "Workers connected to this server; 0 until the first job.", cluster.alive),
-        ("ledger_faults", "Errors that the database of the ledger has reported to this server.",
-         lambda: admission.ledger.database.faults),
+        ("workers", "Processes that compute for this server, or threads of its cluster.", workers),
         ("disk_used_bytes", "Bytes of studies and results, counted at most once a minute.",
          admission.used_bytes),
         ("disk_quota_bytes", "Maximum bytes of studies and results.",

@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -279,6 +280,27 @@ def test_a_ledger_that_is_none_is_told_and_left_alone(tmp_path, monkeypatch):
         "and results are not affected."
     )
     assert ledger.read_bytes() == b"no ledger " * 1000
+
+
+def test_temporary_files_go_to_the_data_directory_where_the_system_has_no_folder(
+    tmp_path, monkeypatch
+):
+    folders = []
+    monkeypatch.setattr(
+        "vibrafeed.app.web.server.serve_until_stopped",
+        lambda *_, **__: folders.append(tempfile.gettempdir()),
+    )
+    monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(tmp_path))
+    monkeypatch.setenv("TMPDIR", "/proc/none")
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setattr(
+        tempfile, "_candidate_tempdir_list", lambda: [os.environ["TMPDIR"], "/proc/none"]
+    )
+    (tmp_path / "tmp").touch()
+    assert_one_line(run("serve", "--port", "0"), tmp_path, "it can hold no folder for temporary")
+    (tmp_path / "tmp").unlink()
+    assert run("serve", "--port", "0").exit_code == 0
+    assert folders == [str(tmp_path / "tmp")]
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])

@@ -5,12 +5,12 @@ import sqlite3
 
 import pytest
 from pydantic import ValidationError
-from sqlalchemy import inspect
+from sqlalchemy import event, inspect
 
 from vibrafeed.app.jobs import audit, database
 from vibrafeed.app.jobs.database import Database
 from vibrafeed.app.jobs.errors import DamagedLedgerError, LaterLedgerError
-from vibrafeed.app.jobs.ledger import Ledger
+from vibrafeed.app.jobs.ledger import Ledger, Wanted
 from vibrafeed.app.jobs.tables import TABLES, UPGRADES
 from vibrafeed.app.settings import Settings
 
@@ -168,7 +168,6 @@ def test_a_damaged_file_is_found_at_the_start_and_when_it_is_read(tmp_path):
     with pytest.raises(DamagedLedgerError):
         ledger.counts()
     assert ledger.fault() == "The ledger is damaged: restore the backup."
-    assert ledger.database.faults == 1
     with pytest.raises(DamagedLedgerError):
         ledger.database.check()
     ledger.close()
@@ -179,4 +178,26 @@ def test_a_ledger_is_empty_until_something_is_entered(tmp_path):
     assert ledger.is_empty()
     audit.note(ledger.database, "", "post", "a study")
     assert not ledger.is_empty()
+    ledger.close()
+
+
+@pytest.mark.parametrize("states", [(), ("successful",)])
+def test_a_page_of_many_jobs_is_found_without_sorting_them(tmp_path, states):
+    ledger = Ledger(tmp_path / "jobs.sqlite3")
+    for number in range(3):
+        ledger.post(
+            str(number), "sweep", cells=1, block_cells=1, blocks=1, bytes_=1, finished_seconds=1.0
+        )
+    asked = []
+    event.listen(
+        ledger.database._engine(), "before_cursor_execute", lambda *a: asked.append(a[2:4])
+    )
+    (latest,) = ledger.jobs(limit=1)
+    seen = Wanted(states=states, seen_by="one")
+    ledger.jobs(seen, limit=10, after=(latest.created, latest.id))
+    query, values = asked[-1]
+    with contextlib.closing(sqlite3.connect(tmp_path / "jobs.sqlite3")) as file:
+        plan = [row[3] for row in file.execute(f"EXPLAIN QUERY PLAN {query}", values)]
+    assert any("USING INDEX jobs_by_" in step for step in plan), plan
+    assert not any("TEMP B-TREE" in step for step in plan), plan
     ledger.close()

@@ -19,10 +19,9 @@ OTHERS = (
 )
 ROOMS = ("vibrafeed.app.cli", "vibrafeed.app.main", "vibrafeed.app.web")
 
-# As on a worker: the library that starts it, then functions found by their names, and run.
+# As on a worker: functions found by their names, and run.
 WORK = """
 import importlib, pathlib, sys
-import distributed.worker, distributed.nanny
 directory = pathlib.Path(sys.argv[1])
 run = importlib.import_module("vibrafeed.app.jobs.work")
 from vibrafeed.app.jobs.store import Store
