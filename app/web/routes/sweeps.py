@@ -15,9 +15,13 @@ from fastapi.responses import Response
 from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.keys import Key
 from vibrafeed.app.jobs.manifest import NETCDF
-from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.accept import form_for
-from vibrafeed.app.web.calculations import encode_slice, encode_slice_of
+from vibrafeed.app.web.calculations import (
+    describe_sweep,
+    encode_slice,
+    encode_slice_of,
+    read_sweep,
+)
 from vibrafeed.app.web.dependencies import (
     AdmissionOf,
     Body,
@@ -42,6 +46,7 @@ from vibrafeed.app.web.replies import (
     without_length,
 )
 from vibrafeed.app.web.shares import (
+    POST,
     calculate_in_process,
     hold_slot,
     large_slot_of,
@@ -50,7 +55,7 @@ from vibrafeed.app.web.shares import (
     threads_of,
 )
 from vibrafeed.app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
-from vibrafeed.app.web.sweep_document import SweepDescription, description
+from vibrafeed.app.web.sweep_document import SweepDescription
 from vibrafeed.app.web.tables import (
     TABLES,
     SliceForm,
@@ -61,8 +66,6 @@ from vibrafeed.app.web.tables import (
     writer_version,
 )
 from vibrafeed.core.dataset.frame import Frame
-from vibrafeed.core.errors import LimitError
-from vibrafeed.core.intake import prepare_content, read_json
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.study import SweepStudy
 from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
@@ -116,25 +119,24 @@ AXIS_VALUES = {
         ),
     },
     openapi_extra=STUDY_BODY,
-    dependencies=[hold_slot()],
 )
-def post_sweep(
+async def post_sweep(
     request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf
 ) -> Response:
     """Check a study and keep it; equal studies share one identifier. Nothing is computed yet.
 
     A sweep may be far larger than what is computed as a whole: slices and Zarr read pieces of it.
     """
-    content = read_json(body)
-    sweep = prepare_content(content, "sweep")
-    _check_size(sweep, settings)
-    sweep.check_limits(cells=who.cells, bytes_=None)
-    key, is_new = admission.keep(sweep, who)
+    async with slot_of(request, len(body), POST):
+        key, text, document = await calculate_in_process(
+            request, read_sweep, body, settings, who.cells,
+            seconds=settings.max_execution_seconds + settings.grace_seconds,
+        )  # fmt: skip
+    is_new = await run_in_threadpool(admission.keep, key, text, who)
+    shared = await run_in_threadpool(_is_shared, admission, key, who)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
-        {**_describe_sweep(admission, key, sweep, who), "warnings": [*sweep.questions]},
-        201 if is_new else 200,
-        headers={"Location": location},
+        {**document, "shared": shared}, 201 if is_new else 200, headers={"Location": location}
     )
 
 
@@ -178,9 +180,12 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
     `key` is the sweep's identifier; `who` is the API key of the reader. An owner sees the sharing
     of its own record; all others that of any owner.
     """
+    return {**describe_sweep(key, sweep), "shared": _is_shared(admission, key, who)}
+
+
+def _is_shared(admission: Admission, key: str, who: Key) -> bool:
     is_own = admission.ownership.of(who.name, key) is not None and not who.sees_all
-    shared = admission.ownership.is_shared(who.name if is_own else None, key)
-    return description(key, sweep, shared=shared)
+    return admission.ownership.is_shared(who.name if is_own else None, key)
 
 
 @router.get(
@@ -344,12 +349,3 @@ def _not_made(key: str) -> Response:
     headers = {"Cache-Control": ASK_AGAIN, "Accept-Ranges": "bytes"}
     headers["Content-Disposition"] = f'attachment; filename="{_filename(key)}"'
     return without_length(NETCDF_TYPE, headers)
-
-
-def _check_size(sweep: Prepared, settings: Settings) -> None:
-    """Raise `LimitError` if a sweep has too many cells or values on one axis to be stored."""
-    sweep.check_limits(cells=settings.max_sweep_cells, bytes_=sweep.bytes)
-    for name, size in sweep.grid.shape.items():
-        if size > settings.max_axis_values:
-            fix = f"Give {name} {settings.max_axis_values:,} values or fewer"
-            raise LimitError("values on one axis", size, settings.max_axis_values, fix)
