@@ -181,8 +181,8 @@ class Settings(BaseSettings):
     concurrent_jobs: int = Field(
         default=4,
         gt=0,
-        description="Maximum number of long studies that run in parallel, and the same number "
-        "of short studies in addition.",
+        description="Maximum number of studies that run in parallel; one that is smaller than "
+        "all of them starts in addition.",
     )
     scheduler: str | None = Field(
         default=None,

@@ -13,18 +13,14 @@ from vibrafeed.app.jobs.keys import NOBODY, Key
 from vibrafeed.app.jobs.ledger import Job, Ledger
 from vibrafeed.app.jobs.quota import Quota
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.jobs.studies import identifier
+from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.settings import Settings
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.plan.prepared import Prepared
 
 logger = logging.getLogger("vibrafeed.store")
 
 DAY = 86_400.0  # s
 MAX_JOBS = 100_000  # ended jobs of each owner that the ledger keeps: the latest
-REPORT_BYTES = 10_000_000  # bytes that an accuracy report may take on the disk
-REPORT_SECONDS = 60.0  # of a report, whose study does not state it
 
 
 class Admission:
@@ -59,7 +55,7 @@ class Admission:
         self.ownership = self._quota.ownership
         self.looks = JobLooks(ledger)
 
-    def post(self, prepared: Prepared, process: str, who: Key = NOBODY) -> Job:
+    def post(self, task: Task, who: Key = NOBODY) -> Job:
         """Enter a job for a study into the ledger; the job is stored on disk on return.
 
         A job is successful at once if its result exists and the same API key asked for it before.
@@ -68,10 +64,8 @@ class Admission:
 
         Parameters
         ----------
-        prepared : Prepared
-            The checked study.
-        process : str
-            What to carry out: the study's kind, or `accuracy`.
+        task : Task
+            The study, read and priced, and what to carry out.
         who : Key
             The API key that posts it.
 
@@ -84,9 +78,8 @@ class Admission:
         TooManyJobsError
             If the key has as many jobs as it may.
         """
-        key = identifier(prepared.study, process)
-        block_cells, blocks, needed, price = self._measure_job(prepared, process)
-        self._quota.look(key, needed, who)
+        key = task.key
+        self._quota.look(key, task.bytes, who)
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
             self._check_jobs(who)
@@ -97,22 +90,22 @@ class Admission:
             is_there = manifest is not None or is_under_way
             if not (is_own and is_there):  # else others' work would be told by it
                 self.ledger.check_queue(self._settings.max_queue, who.name)
-                self._quota.make(key, needed, who, is_there=is_there)
+                self._quota.make(key, task.bytes, who, is_there=is_there)
             if not is_there:
-                self.store.add(prepared.study, process)
+                self.store.put(key, task.text)
             finished = manifest.seconds if manifest and is_own and not is_under_way else None
-            self.ownership.hold(who.name, key, len(prepared.study.canonical()), result=True)
+            self.ownership.hold(who.name, key, len(task.text), result=True)
             job = self.ledger.post(
                 key,
-                process,
-                cells=prepared.cells,
-                block_cells=block_cells,
-                blocks=blocks,
-                bytes_=needed,
+                task.process,
+                cells=task.cells,
+                block_cells=task.block_cells,
+                blocks=task.blocks,
+                bytes_=task.bytes,
                 finished_seconds=finished,
                 known_seconds=manifest.seconds if manifest else 0.0,
                 owner=who.name,
-                price=price,
+                price=task.price,
             )
             if manifest is None:
                 self.posted(key)
@@ -145,34 +138,25 @@ class Admission:
             prepared = self.store.get(job.key)
         except (NotFoundError, StudyError):
             return False
-        block_cells, blocks, needed, price = self._measure_job(prepared, job.process)
-        self._quota.look(job.key, needed)
+        task = work.task_of(prepared, job.process, self._settings)
+        self._quota.look(job.key, task.bytes)
         with self.ledger.transaction():
             if self.store.manifest(job.key) is None:
                 if not self.store.used(job.key):  # it has just made room for another
                     return False
-                self._quota.make(job.key, needed)
+                self._quota.make(job.key, task.bytes)
                 self.ledger.reenter(
                     job.key,
                     job.process,
-                    cells=prepared.cells,
-                    block_cells=block_cells,
-                    blocks=blocks,
-                    bytes_=needed,
-                    price=price,
+                    cells=task.cells,
+                    block_cells=task.block_cells,
+                    blocks=task.blocks,
+                    bytes_=task.bytes,
+                    price=task.price,
                 )
         logger.warning("a result is computed again: %s", job.key)
         self._wake()
         return True
-
-    def _measure_job(self, prepared: Prepared, process: str) -> tuple[int, int, int, float]:
-        """Return cells of a block, number of blocks, disk space [bytes], price [s] of a job."""
-        cells, blocks = work.blocks(prepared, process, self._settings)
-        if process not in KINDS:
-            return cells, blocks, REPORT_BYTES, REPORT_SECONDS
-        # Blocks and the result are there at the same time, for a moment.
-        needed = prepared.bytes + prepared.computed_bytes
-        return cells, blocks, needed, prepared.price.of(prepared.cells)
 
     def _check_jobs(self, who: Key) -> None:
         """Raise `TooManyJobsError` if an API key has as many running or waiting jobs as it may.
@@ -185,22 +169,20 @@ class Admission:
                 "job, or wait until one is done."
             )
 
-    def keep(self, sweep: Prepared, who: Key = NOBODY) -> tuple[str, bool]:
+    def keep(self, key: str, text: str, who: Key = NOBODY) -> bool:
         """Store a sweep without computing it, so that clients can read slices computed on demand.
 
         Room for it is made first, by the quota of the API key.
 
         Parameters
         ----------
-        sweep : Prepared
-            The checked sweep.
+        key, text : str
+            Identifier and canonical text of the sweep, which is checked.
         who : Key
             The API key of the request; by default that of a service without keys.
 
         Returns
         -------
-        str
-            Identifier of the study, a digest of its content.
         bool
             True if this key had not posted the study before; for an admin, if the store did not
             have it.
@@ -210,18 +192,18 @@ class Admission:
         NoRoomError
             If the data directory is full.
         """
-        key, needed = identifier(sweep.study), len(sweep.study.canonical())
+        needed = len(text)
         is_there = self.store.used(key) > 0
         if is_there and self.ownership.of(who.name, key) is not None:
             self.ownership.readable(who.name, key)
-            return self.store.add(sweep.study)
+            return self.store.put(key, text)
         self._quota.look(key, needed, who)
         with self.ledger.transaction():
             self._quota.make(key, needed, who, is_there=is_there)
-            _, is_new = self.store.add(sweep.study)
+            is_new = self.store.put(key, text)
             is_new_to_them = self.ownership.hold(who.name, key, needed, result=False)
             self._note(who, "post", key)
-        return key, is_new if who.sees_all else is_new_to_them
+        return is_new if who.sees_all else is_new_to_them
 
     def job(self, number: str, who: Key) -> Job | None:
         """Return a job that an API key may read; None if it does not exist or may not be read.

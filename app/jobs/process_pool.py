@@ -231,12 +231,12 @@ def _kill(ready: Future[int]) -> None:
 def _begin(modules: tuple[str, ...]) -> None:
     """Prepare a new process for its calls."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
-    lower_priority(POLITE)
-    for module in modules:
-        import_module(module)
     from vibrafeed.core.warm import end_with_parent  # with all that computes
 
     end_with_parent()
+    for module in modules:
+        import_module(module)
+    lower_priority(POLITE)  # from now on: a call may be waiting for the process
 
 
 def _carry_out(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:

@@ -10,6 +10,7 @@ import socket
 import sqlite3
 import time
 import uuid
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
@@ -28,15 +29,14 @@ logger = logging.getLogger("vibrafeed.jobs")
 POLL = 0.5  # s between looks at the ledger, in which other servers may have entered work
 RETRY = 2.0  # s before a lost scheduler is tried again
 LOOK = 1.0  # s between looks at whether work is still wanted
-SHORT = 10  # in times of a block; items that take longer are long
 
 
 def next_item(waiting: Sequence[Work], active: Collection[Work], settings: Settings) -> Work | None:
     """Return the item of work to begin next; None if none may begin.
 
-    As many long items may be computed at a time as `concurrent_jobs` says, and as many short ones
-    besides: short work does not wait until something long is over. On the workers they share time:
-    see `vibrafeed.app.jobs.fair_queue`. An item is long or short by its price.
+    Owners take turns. As many items are computed at a time as `concurrent_jobs` says, and one
+    besides that is smaller than all of them: small work does not wait until something long is over.
+    On the workers they share time: see `vibrafeed.app.jobs.fair_queue`.
 
     Parameters
     ----------
@@ -47,12 +47,12 @@ def next_item(waiting: Sequence[Work], active: Collection[Work], settings: Setti
     settings : Settings
         The service's.
     """
-    short_seconds, most = SHORT * settings.block_seconds, settings.concurrent_jobs
     keys = {item.key for item in active}
-    long = sum(item.price > short_seconds for item in active)
-    for item in waiting:
-        under_way = long if item.price > short_seconds else len(active) - long
-        if item.key not in keys and under_way < most:
+    owners = Counter(item.asker for item in active)
+    is_full = len(active) >= settings.concurrent_jobs
+    for item in sorted(waiting, key=lambda item: owners[item.asker]):
+        is_smallest = all(item.price < one.price for one in active)
+        if item.key not in keys and (is_smallest or not is_full):
             return item
     return None
 

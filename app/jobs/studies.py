@@ -60,14 +60,18 @@ class Studies:
         the study's own kind.
         """
         key = identifier(study, process)
+        return key, self.put(key, study.canonical())
+
+    def put(self, key: str, text: str) -> bool:
+        """Store the canonical text of a study under its identifier; return True if it is new."""
         path = self.directory / key / "study.json"
         if path.exists():
             self.note_use(key)
-            return key, False
+            return False
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole(path) as temporary:
-            temporary.write_text(study.canonical(), encoding="utf-8")
-        return key, True
+            temporary.write_text(text, encoding="utf-8")
+        return True
 
     def get(self, key: str) -> Prepared:
         """Return the study with an identifier; raise `NotFoundError` if there is none."""

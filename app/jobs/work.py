@@ -11,12 +11,14 @@ import socket
 import threading
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 from vibrafeed.app.jobs import large
 from vibrafeed.app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
 from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
 from vibrafeed.core import lazy
 from vibrafeed.core.code_version import code_version
@@ -31,8 +33,54 @@ from vibrafeed.core.watch import Watch
 IN_GROUP = 0
 """Stands for the cells of a block that goes into a Zarr group (`vibrafeed.app.jobs.large`)."""
 UNWANTED = "no client wants the block any more"
+REPORT_BYTES = 10_000_000  # bytes that an accuracy report may take on the disk
+REPORT_SECONDS = 60.0  # of a report, whose study does not state it
 
 _netcdf = threading.Lock()  # the library crashes if two threads of a worker use it
+
+
+@dataclass(frozen=True)
+class Task:
+    """A study that a worker has read and priced, ready to become a job.
+
+    Attributes
+    ----------
+    key : str
+        The study's identifier.
+    process : str
+        What is carried out: the kind of the study, or `accuracy`.
+    text : str
+        The study as canonical JSON.
+    cells, block_cells, blocks : int
+        Cells of the study, cells of one block, and the number of blocks.
+    bytes : int
+        Bytes that all its files may take on the disk.
+    price : float
+        Expected time of computing it on one core [s].
+    """
+
+    key: str
+    process: str
+    text: str
+    cells: int
+    block_cells: int
+    blocks: int
+    bytes: int
+    price: float
+
+
+def task_of(prepared: Prepared, process: str, settings: Settings) -> Task:
+    """Return the task of carrying out a process on a study; the settings say how it is cut."""
+    study = prepared.study
+    block_cells, count = blocks(prepared, process, settings)
+    if process in KINDS:
+        # Blocks and the result are there at the same time, for a moment.
+        needed = prepared.bytes + prepared.computed_bytes
+        price = prepared.price.of(prepared.cells)
+    else:
+        needed, price = REPORT_BYTES, REPORT_SECONDS
+    key, text = identifier(study, process), study.canonical()
+    return Task(key, process, text, prepared.cells, block_cells, count, needed, price)
 
 
 def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:

@@ -21,6 +21,7 @@ from vibrafeed.app.web.entry import owner_of
 
 CORES = os.cpu_count() or 1
 _T = TypeVar("_T")
+POST = " posts"  # purpose of requests that have a study read, and nothing computed
 SECONDS_A_BYTE = 1e-7  # of a body that is read: large ones let smaller ones of their owner pass
 
 

@@ -19,9 +19,10 @@ from starlette.requests import ClientDisconnect
 from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.keys import Key
 from vibrafeed.app.jobs.ledger import ACTIVE, Job
+from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.accept import preferred
-from vibrafeed.app.web.calculations import execute_at_once, price_study, read_study
+from vibrafeed.app.web.calculations import execute_at_once, read_task
 from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf
 from vibrafeed.app.web.documents import (
     CONFORMANCE,
@@ -38,9 +39,8 @@ from vibrafeed.app.web.prefer import Preferences, preferences
 from vibrafeed.app.web.problems import NoSuchProcessError
 from vibrafeed.app.web.replies import Document, Router, component, json_reply, problems
 from vibrafeed.app.web.routes import page
-from vibrafeed.app.web.shares import calculate_in_process, slot_of, threads_of
+from vibrafeed.app.web.shares import POST, calculate_in_process, slot_of, threads_of
 from vibrafeed.core.errors import StoppedError
-from vibrafeed.core.plan.prepared import Price
 
 router = Router(tags=["processes"])
 
@@ -219,18 +219,19 @@ async def _reply_or_job(
         If the client has left and has not asked for a job; a job that was posted is dismissed.
     """
     wishes = preferences(request.headers.getlist("prefer"))
-    async with slot_of(request, len(body)):
-        made: bytes | Price | None
-        if name == ACCURACY or wishes.respond_async:
-            made = await _price(request, name, body, settings)
-        else:
-            made = await _dataset_in_time(request, name, body, settings, who)
-        if isinstance(made, bytes):
-            return Response(made, media_type=JSON)
-        job = await run_in_threadpool(_post, name, body, settings, admission, who, made)
-        if not wishes.respond_async:
-            await _dismiss_if_left(request, admission, job, who)
-        return job
+    task: bytes | Task
+    if name == ACCURACY or wishes.respond_async:
+        async with slot_of(request, len(body), POST):
+            task = await _task(request, name, body, settings, who)
+    else:
+        async with slot_of(request, len(body)):
+            task = await _dataset_in_time(request, name, body, settings, who)
+    if isinstance(task, bytes):
+        return Response(task, media_type=JSON)
+    job = await run_in_threadpool(admission.post, task, who)
+    if not wishes.respond_async:
+        await _dismiss_if_left(request, admission, job, who)
+    return job
 
 
 async def _dismiss_if_left(request: Request, admission: Admission, job: Job, who: Key) -> None:
@@ -242,8 +243,8 @@ async def _dismiss_if_left(request: Request, admission: Admission, job: Job, who
 
 async def _dataset_in_time(
     request: Request, name: str, body: bytes, settings: Settings, who: Key
-) -> bytes | Price | None:
-    """Compute a study for the reply to its request, or its price if that takes too long.
+) -> bytes | Task:
+    """Compute a study for the reply to its request, or read its task if that takes too long.
 
     It is computed in a process that is ended after `max_execution_seconds` and some grace.
 
@@ -262,8 +263,8 @@ async def _dataset_in_time(
 
     Returns
     -------
-    bytes, Price or None
-        The result as a JSON document; else the price, None if that took too long as well.
+    bytes or Task
+        The result as a JSON document; else the task of computing it.
 
     Raises
     ------
@@ -272,34 +273,20 @@ async def _dataset_in_time(
     """
     seconds = settings.max_execution_seconds + settings.grace_seconds
     try:
-        made = await calculate_in_process(
+        return await calculate_in_process(
             request, execute_at_once, name, body, settings, who.cells, threads_of(request),
             seconds=seconds,
         )  # fmt: skip
     except StoppedError:  # its process was ended, perhaps before the study was read
-        return await _price(request, name, body, settings)
-    # What compresses texts wants no view.
-    return made if isinstance(made, Price) else bytes(made)
+        return await _task(request, name, body, settings, who)
 
 
-async def _price(request: Request, name: str, body: bytes, settings: Settings) -> Price | None:
+async def _task(request: Request, name: str, body: bytes, settings: Settings, who: Key) -> Task:
     # On a busy machine the process may begin late.
     seconds = settings.max_execution_seconds + settings.grace_seconds
-    return await calculate_in_process(request, price_study, name, body, settings, seconds=seconds)
-
-
-def _post(
-    name: str, body: bytes, settings: Settings, admission: Admission, who: Key, price: Price | None
-) -> Job:
-    """Post the study in a body as a job and return the job.
-
-    `name` is the process, `who` the API key, `price` that of the study. Raises `StudyError` or
-    `LimitError` if the study cannot be carried out, and the errors of `Admission.post` if the job
-    is not accepted.
-    """
-    _, prepared = read_study(name, body, settings, price)
-    prepared.check_limits(cells=who.cells, bytes_=None)
-    return admission.post(prepared, name, who)
+    return await calculate_in_process(
+        request, read_task, name, body, settings, who.cells, seconds=seconds
+    )
 
 
 async def _wait_for_job(request: Request, admission: Admission, job: Job, seconds: float) -> Job:

@@ -134,15 +134,17 @@ def test_who_gives_up_waiting_leaves_no_gap():
     asyncio.run(scene())
 
 
-def test_short_work_is_taken_up_beside_long_work(tmp_path: Path):
-    settings = Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=0.1)
-    long = [Work(f"long {n}", "simulate", 1, 1, 0.0, "", price=1.5) for n in range(4)]
-    short = [Work(f"short {n}", "simulate", 1, 1, 0.0, "", price=0.5) for n in range(3)]
-    waiting, active = [*long, *short], []
+def test_small_work_is_taken_up_beside_long_work_and_owners_take_turns(tmp_path: Path):
+    settings = Settings(data_directory=tmp_path, concurrent_jobs=3)
+    of_one = [Work(f"one {n}", "simulate", 1, 1, 0.0, "", price=5.0, asker="one") for n in range(4)]
+    other = Work("other", "simulate", 1, 1, 0.0, "", price=9.0, asker="other")
+    small = [Work(f"small {n}", "simulate", 1, 1, 0.0, "", price=0.5, asker="one") for n in "ab"]
+    waiting, active = [*of_one, other, *small], []
     while (item := next_item(waiting, active, settings)) is not None:
         active.append(item)
-    assert active == [*long[:2], *short[:2]]
-    assert next_item(waiting, active[:-1], settings) == short[1]
+    assert active == [of_one[0], other, of_one[1], small[0]]
+    assert next_item(waiting, active[:-1], settings) == small[0]
+    assert next_item(waiting, active[1:], settings) is None
 
 
 def test_who_is_cancelled_while_places_are_handed_out_takes_none():

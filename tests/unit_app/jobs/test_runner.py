@@ -21,6 +21,7 @@ from vibrafeed.app.jobs.ledger import ACTIVE, Job, Ledger
 from vibrafeed.app.jobs.process_pool import EndedError, LostError
 from vibrafeed.app.jobs.runner import Runner
 from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.work import task_of
 from vibrafeed.app.settings import Settings
 from vibrafeed.core.intake import prepare_content
 from waiting import PATIENCE, awaited
@@ -84,7 +85,7 @@ def carried_out(folder: Path, workers: Workers, play: Play | None = None, **sett
         admission = Admission(ledger, store, limits, runner.wake)
         await runner.start()
         try:
-            job = admission.post(prepare_content(STUDY), "simulate")
+            job = admission.post(task_of(prepare_content(STUDY), "simulate", limits))
             if play is not None:
                 await play(runner, admission, job)
             else:

@@ -53,6 +53,10 @@ def store(tmp_path):
     return Store(tmp_path)
 
 
+def task(content, process):
+    return work.task_of(prepare_content(content), process, Settings())
+
+
 def carried_out(store, content, *, cells=10):
     """Carry a study out as workers do; return its identifier."""
     prepared = prepare_content(content)
@@ -339,8 +343,8 @@ class TestDesk:
 
     def test_a_study_that_is_there_is_successful_at_once(self, admission, store):
         carried_out(store, SWEEP)
-        assert admission().post(prepare_content(SWEEP), "sweep").state == "successful"
-        assert admission().post(prepare_content(SIMULATION), "simulate").state == "accepted"
+        assert admission().post(task(SWEEP, "sweep")).state == "successful"
+        assert admission().post(task(SIMULATION, "simulate")).state == "accepted"
 
     def test_results_used_longest_ago_make_room(self, admission, store):
         old, new = carried_out(store, SWEEP), carried_out(store, SIMULATION)
@@ -362,10 +366,10 @@ class TestDesk:
         kept = carried_out(store, SWEEP)
         needed = 2 * prepare_content(SIMULATION).bytes
         full = admission(max_queue=1, disk_quota_bytes=store.bytes(kept) + needed + 100)
-        full.post(prepare_content(SIMULATION), "simulate")
+        full.post(task(SIMULATION, "simulate"))
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
         with pytest.raises(QueueFullError):
-            full.post(prepare_content(other), "simulate")
+            full.post(task(other, "simulate"))
         assert store.manifest(kept) is not None
         assert len(store.studies()) == 2  # the refused one is not kept
 
@@ -377,7 +381,7 @@ class TestDesk:
         os.utime(store.folder(key) / "study.json", (1, 1))
         other = carried_out(store, SWEEP)
         needed = 2 * prepare_content(SIMULATION).bytes
-        admission(disk_quota_bytes=needed + 100).post(prepare_content(SIMULATION), "simulate")
+        admission(disk_quota_bytes=needed + 100).post(task(SIMULATION, "simulate"))
         assert store.has_block(key, 5, 0)
         assert not store.folder(other).exists()
 
@@ -387,7 +391,7 @@ class TestDesk:
         service = admission(disk_quota_bytes=store.bytes(kept) + 2 * needed + 2000)
         for friction in (0.5, 0.6, 0.7, 0.8):
             other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": friction}}
-            service.dismiss(service.post(prepare_content(other), "simulate").id)
+            service.dismiss(service.post(task(other, "simulate")).id)
         assert store.manifest(kept) is not None
 
     def test_the_disk_is_promised_once(self, admission, store, monkeypatch):
@@ -396,31 +400,32 @@ class TestDesk:
         free = [int(1.5 * needed)]
         monkeypatch.setattr("shutil.disk_usage", lambda _: usage(0, 0, free[0]))
         service = admission()
-        key = service.post(prepare_content(SIMULATION), "simulate").key
+        key = service.post(task(SIMULATION, "simulate")).key
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
         with pytest.raises(NoRoomError, match="more than the disk of the service has free"):
-            service.post(prepare_content(other), "simulate")
+            service.post(task(other, "simulate"))
         # What has been written of a promise is owed no more.
         (store.folder(key) / "blocks").write_bytes(bytes(needed))
         monkeypatch.setattr("vibrafeed.app.jobs.quota.RIGHT_FOR", 0.0)
-        assert service.post(prepare_content(other), "simulate").state == "accepted"
+        assert service.post(task(other, "simulate")).state == "accepted"
 
     def test_what_is_promised_to_work_is_not_promised_again(self, admission, store):
         """However many servers: it stands in the ledger."""
         needed = 2 * prepare_content(SIMULATION).bytes
         tight, loose = ({"disk_quota_bytes": needed + spare} for spare in (10, 1000))
-        admission(**tight).post(prepare_content(SIMULATION), "simulate")
+        admission(**tight).post(task(SIMULATION, "simulate"))
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
         with pytest.raises(NoRoomError, match="are reserved for running jobs"):
-            admission(**tight).post(prepare_content(other), "simulate")
+            admission(**tight).post(task(other, "simulate"))
+        sweep = task(SWEEP, "sweep")
         with pytest.raises(NoRoomError):
-            admission(**tight).keep(prepare_content(SWEEP))
-        assert admission(**loose).keep(prepare_content(SWEEP))[1]
+            admission(**tight).keep(sweep.key, sweep.text)
+        assert admission(**loose).keep(sweep.key, sweep.text)
         assert store.get(identifier(prepare_content(SIMULATION).study)).cells == 35
 
     def test_what_nobody_has_used_is_removed(self, admission, store):
         old, new = carried_out(store, SWEEP), carried_out(store, SIMULATION)
-        job = admission().post(prepare_content(SWEEP), "sweep")
+        job = admission().post(task(SWEEP, "sweep"))
         year_ago = time.time() - 365 * 86_400
         os.utime(store.folder(old) / "study.json", (year_ago, year_ago))
         admission().tidy()

@@ -19,7 +19,7 @@ from local_client import local_client
 from posted_sweeps import STUDY
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from vibrafeed.app.web.calculations import price_study
+from vibrafeed.app.web.calculations import read_task
 from vibrafeed.app.web.routes import processes
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
@@ -389,7 +389,7 @@ class TestSimulation:
             patience = processes.calculate_in_process
 
             async def patient(request, function, *arguments, seconds):
-                seconds = 300 if function is price_study else seconds
+                seconds = 300 if function is read_task else seconds
                 return await patience(request, function, *arguments, seconds=seconds)
 
             monkeypatch.setattr(processes, "calculate_in_process", patient)
@@ -398,6 +398,27 @@ class TestSimulation:
             assert reply.status_code == 201, reply.text
             assert reply.headers["location"].endswith(f"/jobs/{reply.json()['jobID']}")
             assert problem(client.post(self.PATH, json={**SIMULATION, "outputs": ["x"]}))["errors"]
+
+    def test_what_becomes_a_job_is_read_by_a_process_of_the_pool(self, client, monkeypatch):
+        def refuse(*_):
+            raise AssertionError("the server reads a study")
+
+        monkeypatch.setattr("vibrafeed.app.web.calculations.prepare_content", refuse)
+        monkeypatch.setattr("vibrafeed.app.jobs.studies.prepare_content", refuse)
+        wish = {"Prefer": "respond-async"}
+        assert client.post(self.PATH, json=SIMULATION, headers=wish).status_code == 201
+        assert client.post("/sweeps", json=STUDY).status_code == 201
+        assert problem(client.post(self.PATH, json={}, headers=wish))["errors"]
+
+    def test_a_job_is_posted_though_its_owner_computes_all_it_may(self, settings):
+        app = create_app(settings.model_copy(update={"workers": 2}))
+        with local_client(app) as client:
+            queue = app.state.process_pool.fair_queue
+            held = [client.portal.call(queue._take, "testclient", 0.0) for _ in range(2)]
+            wish = {"Prefer": "respond-async"}
+            assert client.post(self.PATH, json=SIMULATION, headers=wish).status_code == 201
+            for slot in held:
+                client.portal.call(queue._leave, slot)
 
     def test_many_at_a_time(self, client):
         with ThreadPoolExecutor(8) as pool:
