@@ -90,7 +90,7 @@ def create_app(settings: Settings) -> FastAPI:
         tidying = asyncio.create_task(_tidy(admission, stopping))
         beside = [asyncio.create_task(app.state.metrics.watch_loop())]
         if settings.warm_at_start:
-            beside.append(asyncio.create_task(warmth.compile(process_pool)))
+            beside.append(asyncio.create_task(warmth.compile()))
             beside.append(asyncio.create_task(process_pool.start()))
         yield
         await runner.stop()  # first of all: others may go on with the work

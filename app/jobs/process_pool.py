@@ -24,7 +24,7 @@ import psutil
 
 from vibrafeed.app.jobs.fair_queue import FairQueue
 from vibrafeed.core.errors import StoppedError, VibrafeedError
-from vibrafeed.core.system import lower_priority
+from vibrafeed.core.system import end_with_parent, lower_priority
 
 LOOK = 0.5  # s between checks that the client still waits for the result
 CALLS = 500  # calls of a process before a new one replaces it: memory does not pile up
@@ -231,8 +231,6 @@ def _kill(ready: Future[int]) -> None:
 def _begin(modules: tuple[str, ...]) -> None:
     """Prepare a new process for its calls."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
-    from vibrafeed.core.warm import end_with_parent  # with all that computes
-
     end_with_parent()
     for module in modules:
         import_module(module)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Any, Union
 
 from pydantic import BaseModel, ConfigDict, Field, RootModel
 
-from vibrafeed.app.web.replies import Document
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.pieces import Kind
@@ -41,14 +40,6 @@ else:
 
         model_config = ConfigDict(defer_build=True)
         root: _any_of(kind for kind in KINDS.values() if kind.is_measured)
-
-
-class ExecuteRequest(BaseModel):
-    """An execute request of OGC API - Processes, with the study under `inputs.study`."""
-
-    inputs: Document
-    outputs: Document = Document()
-    response: Literal["raw", "document"] = "raw"
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from pydantic.json_schema import GenerateJsonSchema, models_json_schema
 from pydantic_core.core_schema import NullableSchema, WithDefaultSchema
 
 from vibrafeed.app.web.documents import JobList, Results
-from vibrafeed.app.web.execution import AnyStudy, ExecuteRequest
+from vibrafeed.app.web.execution import AnyStudy
 from vibrafeed.app.web.made_once import made_once
 from vibrafeed.app.web.replies import Document, ProblemDocument, component
 from vibrafeed.app.web.sharing import Sharing
@@ -25,6 +25,14 @@ PATH = "/openapi.json"
 
 Number = float | Annotated[str, Field(max_length=200)]
 """A number in the unit of its parameter, or text with a unit."""
+
+
+class ExecuteRequest(BaseModel):
+    """An execute request of OGC API - Processes, with the study under `inputs.study`."""
+
+    inputs: Document
+    outputs: Document = Document()
+    response: Literal["raw", "document"] = "raw"
 
 
 class Range(BaseModel):

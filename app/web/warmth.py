@@ -11,7 +11,7 @@ logger = logging.getLogger("vibrafeed")
 
 
 class Warmth:
-    """Has the kernels compiled in a process of the pool.
+    """Has the kernels compiled in a process of its own, which ends then.
 
     Attributes
     ----------
@@ -21,9 +21,12 @@ class Warmth:
 
     is_warm = False
 
-    async def compile(self, process_pool: ProcessPool) -> None:
+    async def compile(self) -> None:
         """Compile missing kernels; an error goes to the log."""
+        process_pool = ProcessPool(1, ())
         try:
             self.is_warm = await process_pool(compile_kernels, 1) is not None
         except Exception as error:
             logger.warning("kernels could not be compiled beforehand: %s", error)
+        finally:
+            process_pool.close()

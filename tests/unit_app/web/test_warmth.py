@@ -4,28 +4,34 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from pathlib import Path
 
-from vibrafeed.app.web.warmth import Warmth
+import pytest
 
-
-def test_kernels_are_compiled_in_a_process_of_the_pool():
-    async def pool(function, processes):
-        assert (function.__name__, processes) == ("compile_kernels", 1)
-        return Path("cache")
-
-    warmth = Warmth()
-    assert not warmth.is_warm
-    asyncio.run(warmth.compile(pool))
-    assert warmth.is_warm
+from vibrafeed.app.web import warmth
 
 
-def test_the_log_says_why_kernels_could_not_be_compiled(caplog):
-    async def pool(function, processes):
-        raise OSError(28, "No space left on device")
+def no_folder(processes):
+    assert processes == 1
 
-    warmth = Warmth()
+
+def fails(processes):
+    raise OSError(28, "No space left on device")
+
+
+def compiles(processes):
+    return "cache"
+
+
+@pytest.mark.parametrize(
+    ("function", "is_warm", "told"),
+    [(compiles, True, ""), (no_folder, False, ""), (fails, False, "No space left on device")],
+)
+def test_the_log_says_why_kernels_could_not_be_compiled(
+    function, is_warm, told, monkeypatch, caplog
+):
+    monkeypatch.setattr(warmth, "compile_kernels", function)
+    warm = warmth.Warmth()
     with caplog.at_level(logging.WARNING, "vibrafeed"):
-        asyncio.run(warmth.compile(pool))
-    assert not warmth.is_warm
-    assert "No space left on device" in caplog.text
+        asyncio.run(warm.compile())
+    assert warm.is_warm == is_warm
+    assert told in caplog.text
