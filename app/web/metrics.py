@@ -174,7 +174,6 @@ def watch_jobs(
     for name, description, value in (
         ("oldest_waiting_seconds", "Age of the study that has waited longest for its turn.",
          lambda: ledger.queue().oldest),
-        ("ledger_fault", "1 if the ledger cannot be read.", lambda: ledger.fault() is not None),
         ("workers", "Workers connected to this server; 0 until the first job.", cluster.alive),
         ("disk_used_bytes", "Bytes of studies and results, counted at most once a minute.",
          admission.used_bytes),
