@@ -26,6 +26,7 @@ MAX_KEYS = 2  # in one request: each takes a look at all keys
 INVALID = RateLimitItemPerMinute(60)  # wrong keys of an address; more of them are answered by 429
 FIRST = RateLimitItemPerMinute(1)  # of them, which is noted in the audit log
 NOTED = RateLimitItemPerMinute(10)  # entries there in all: each is written to the disk
+SOON = 0.01  # s between checks that another request has read the keys
 OF_KEY = "key "  # begins the name of an owner who has a key
 
 
@@ -59,7 +60,7 @@ class Entry:
     def __init__(self, keys: Keys):
         """Check requests against keys; wrong keys are counted."""
         self.keys = keys
-        self._looking = asyncio.Lock()
+        self._is_looking = False
         # In this process's memory: of several servers each allows so many.
         self._rates = MovingWindowRateLimiter(MemoryStorage())
 
@@ -73,10 +74,17 @@ class Entry:
         Exception
             If the keys have never been read and the ledger cannot be read.
         """
-        if self.keys.is_due and not (self.keys.is_fresh and self._looking.locked()):
-            async with self._looking:
-                if self.keys.is_due:
+        while self.keys.is_due:
+            if not self._is_looking:
+                self._is_looking = True
+                try:
                     await asyncio.to_thread(self.keys.look)
+                finally:
+                    self._is_looking = False
+            elif self.keys.is_fresh:
+                return
+            else:
+                await asyncio.sleep(SOON)
 
     async def refusal(self, scope: Scope, headers: Headers) -> Response | None:
         """Return the error reply to a request without a valid key; None if its key is accepted.
