@@ -109,9 +109,6 @@ class Guard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, or refuse it before its body is read."""
-        if scope["type"] == "websocket":  # the service has none; none slips past
-            await send({"type": "websocket.close", "code": 1008})
-            return
         refusal = await self._refusal(scope) if scope["type"] == "http" else None
         await (refusal or self.app)(scope, receive, send)
 
