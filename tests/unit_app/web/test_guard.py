@@ -458,7 +458,7 @@ class TestAbsoluteForm:
             ("https://localhost", 200),
             ("http://evil.example/scenes", 403),
             ("http://localhost/nowhere", 404),
-            ("http://user@localhost/scenes", 400),
+            ("http://host@localhost/scenes", 400),
         ],
     )
     def test_the_host_is_that_of_the_url(self, tmp_path, url, status):
