@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import socket
 import subprocess
 import sys
@@ -15,7 +14,6 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from functools import partial
 from http.client import HTTPConnection, HTTPMessage
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -121,12 +119,10 @@ main()
 
 
 @contextmanager
-def served(
-    open_files: int | None = None, tree: Path | None = None, **settings: object
-) -> Iterator[Served]:
+def served(tree: Path | None = None, **settings: object) -> Iterator[Served]:
     """Yield a running server with some settings, and stop it afterwards.
 
-    Its code is that of `tree`, if that is given.
+    `tree` is another source tree whose server it is; None is this one.
     """
     port = free_port()
     with tempfile.TemporaryDirectory() as folder:
@@ -137,14 +133,12 @@ def served(
             environment["PYTHONPATH"] = str(tree)
         command = [sys.executable, "-c", SERVE, "serve"]
         path = Path(folder) / "log"
-        limit = None if open_files is None else partial(_limit_files, open_files)
         with path.open("wb") as log:
             process = subprocess.Popen(
                 [*command, "--port", str(port)],
                 cwd=tree,
                 stderr=log,
                 env={**os.environ, **environment},
-                preexec_fn=limit,
             )
             try:
                 found = Served(f"http://127.0.0.1:{port}", process.pid, data, path)
@@ -153,11 +147,6 @@ def served(
             finally:
                 process.terminate()
                 process.wait(60)
-
-
-def _limit_files(most: int) -> None:
-    """Limit the number of open files of this process."""
-    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
 def _wait_for(server: Served) -> None:

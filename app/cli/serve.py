@@ -98,9 +98,11 @@ def _welcome(settings: Settings, host: str, port: int) -> None:
     `host` and `port` are where it listens; `settings` has the data directory.
     """
     address = "http://" + (f"[{host}]:{port}/" if ":" in host else f"{host}:{port}/")
-    typer.echo(f"Open {address} in a browser; Ctrl-C stops the service.")
-    typer.echo(f"Programs use the same address: {address}docs describes what they may ask.")
-    typer.echo(f"Studies and results are kept in {settings.data_directory.absolute()}.")
+    typer.echo(
+        f"Open {address} in a browser; Ctrl-C stops the service.\n"
+        f"Programs use the same address: {address}docs describes the requests.\n"
+        f"Studies and results are kept in {settings.data_directory.absolute()}."
+    )
 
 
 def _tell_of_older_data(settings: Settings) -> None:

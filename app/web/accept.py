@@ -43,21 +43,13 @@ def preferred(accept: str, offered: tuple[str, ...]) -> str | None:
     ranges = _ranges(accept)
     if not ranges:
         return offered[0]
-    weights = {name: _weight(name, ranges) for name in offered}
-    best = max(offered, key=lambda name: weights[name])  # the first of equals
-    return best if weights[best] > 0 else None
 
+    def weight(name: str) -> float:
+        closest = (name, f"{name.partition('/')[0]}/*", "*/*")
+        return next((ranges[one] for one in closest if one in ranges), 0.0)
 
-def _weight(name: str, ranges: Mapping[str, float]) -> float:
-    """Return the weight, 0 to 1, that an Accept header gives to a media type; 0 if not accepted.
-
-    `name` is the media type; `ranges` holds the weight of each range in the header, such as
-    `text/*`.
-    """
-    for wanted in (name, f"{name.partition('/')[0]}/*", "*/*"):
-        if wanted in ranges:
-            return ranges[wanted]
-    return 0.0
+    best = max(offered, key=weight)  # the first of equals
+    return best if weight(best) > 0 else None
 
 
 def _ranges(header: str) -> dict[str, float]:

@@ -110,9 +110,6 @@ class Guard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, or refuse it before its body is read."""
-        if scope["type"] == "websocket":  # the service has none; none slips past
-            await send({"type": "websocket.close", "code": 1008})
-            return
         refusal = await self._refusal(scope) if scope["type"] == "http" else None
         await (refusal or self.app)(scope, receive, send)
 
@@ -161,8 +158,8 @@ class Guard:
         So are requests of web pages whose name resolves to this machine: `name`, that of the Host
         header, has to be a loopback name.
         """
-        local = (scope.get("server") or ("",))[0] or ""
-        if _is_address(local) and not is_loopback(local):
+        local = (scope.get("server") or ("",))[0] or "/"
+        if not local.startswith("/") and not is_loopback(local):  # else it is a socket of Unix
             why = "No keys exist, so the service answers only on loopback addresses."
         elif name not in LOOPBACK_NAMES:
             # Any page can have a name of its own resolve to 127.0.0.1; its browser still sends it.
@@ -243,15 +240,6 @@ class Limits:
         if is_long and scope["method"] not in SAFE_METHODS:
             return problem_document(*STATUS[TooLargeError], str(TooLargeError(self.most_bytes)))
         return None
-
-
-def _is_address(text: str) -> bool:
-    """True if a text is an IP address."""
-    try:
-        ipaddress.ip_address(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _describe(app: FastAPI, keys: Keys) -> None:
