@@ -70,8 +70,9 @@ def test_the_health_check_of_the_image_fails_unless_the_reply_is_200(dockerfile)
             port = str(listening.getsockname()[1])
             asking = subprocess.Popen([word.replace("8000", port) for word in command])
             connection, _ = listening.accept()
-            with connection:
-                assert connection.recv(1000).startswith(b"GET /healthz HTTP/1.1\r\nHost: ")
+            with connection, connection.makefile("rb") as request:
+                assert request.readline() == b"GET /healthz HTTP/1.1\r\n"
+                assert request.readline().startswith(b"Host: ")
                 connection.sendall(b"HTTP/1.1 " + status + b"\r\n\r\n")
                 assert asking.wait() == code
 

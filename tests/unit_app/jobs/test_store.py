@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vibrafeed.app.jobs import work
+from vibrafeed.app.jobs import studies, work
 from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.errors import (
     NoRoomError,
@@ -69,10 +69,10 @@ def carried_out(store, content, *, cells=10):
 
 
 def test_studies_asked_for_last_stay_prepared_unless_they_are_gone(store, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.studies.MAX_KNOWN", 2)
+    monkeypatch.setattr(studies, "MAX_KNOWN", 2)
     long = {**SWEEP["parameters"], "friction": [number / 10_000 for number in range(5000)]}
-    studies = [SWEEP, SIMULATION, {**SWEEP, "parameters": long}]
-    short, other, longer = (store.add(prepare_content(study).study)[0] for study in studies)
+    posted = [SWEEP, SIMULATION, {**SWEEP, "parameters": long}]
+    short, other, longer = (store.add(prepare_content(study).study)[0] for study in posted)
     first = store.get(short)
     assert store.get(short) is first
     assert store.get(longer) is store.get(longer)
@@ -94,12 +94,12 @@ def test_long_studies_stay_prepared_within_a_number_of_bytes(store, monkeypatch)
         study = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": values}}
         keys.append(store.add(prepare_content(study).study)[0])
     sizes = [(store.folder(key) / "study.json").stat().st_size for key in keys]
-    monkeypatch.setattr("vibrafeed.app.jobs.studies.MAX_KNOWN_BYTES", sizes[1] + sizes[2])
+    monkeypatch.setattr(studies, "MAX_KNOWN_BYTES", sizes[1] + sizes[2])
     first, second, third = (store.get(key) for key in keys)
     assert store.get(keys[1]) is second
     assert store.get(keys[2]) is third
     assert store.get(keys[0]) is not first
-    monkeypatch.setattr("vibrafeed.app.jobs.studies.MAX_KNOWN_BYTES", 0)
+    monkeypatch.setattr(studies, "MAX_KNOWN_BYTES", 0)
     assert store.get(keys[1]) is not store.get(keys[1])  # a study beyond the bound is not kept
 
 
