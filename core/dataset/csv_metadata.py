@@ -4,8 +4,6 @@ The form is that of "Metadata Vocabulary for Tabular Data" (W3C, 2015), known as
 its readers find `x.csv-metadata.json` by the name of `x.csv`.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 NetCDF and Zarr can be read back as well, and written in any other format.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial

@@ -4,8 +4,6 @@ CSV has units in its headings, `frequency [Hz]`, as it has no other place for th
 files have that vibrafeed reads; Parquet has bare names, and units as metadata of the columns.
 """
 
-from __future__ import annotations
-
 import math
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -48,7 +46,7 @@ class Frame:
     sizes: Mapping[str, int]
 
     @classmethod
-    def of(cls, table: Table, *, most: int | None = None) -> Frame:
+    def of(cls, table: Table, *, most: int | None = None) -> "Frame":
         """Return the rows of a table, one for each cell, to be written as CSV, Parquet or Excel.
 
         Raises `LimitError` if there are more than `most` rows; None allows any number.
@@ -102,7 +100,7 @@ class Frame:
         """The names of the columns with their units."""
         return [heading(name, column) for name, column in self.columns.items()]
 
-    def pieces(self, rows: int) -> Iterator[pandas.DataFrame]:
+    def pieces(self, rows: int) -> "Iterator[pandas.DataFrame]":
         """Yield the rows as data frames of pandas, so many at a time; flags are categories."""
         import pandas  # heavy, and NetCDF and Zarr do without it
 

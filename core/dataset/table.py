@@ -3,8 +3,6 @@
 One place gives every variable its CF attributes; the views below only carry them over.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -63,11 +61,11 @@ class Table:
     attributes: Attributes
     price: Attributes = field(default_factory=dict)
 
-    def with_price(self, price: Attributes) -> Table:
+    def with_price(self, price: Attributes) -> "Table":
         """Return the table with other attributes for the cost of computing it, such as seconds."""
         return replace(self, price=price)
 
-    def with_history(self, history: str) -> Table:
+    def with_history(self, history: str) -> "Table":
         """Return the table with the CF attribute `history`, and the cost, among its attributes."""
         return replace(
             self, attributes={**self.attributes, "history": history, **self.price}, price={}
@@ -91,13 +89,13 @@ class Table:
         return np.broadcast_to(mask.reshape(shape), output.values.shape)
 
     @classmethod
-    def of_xarray(cls, dataset: xarray.Dataset) -> Table:
+    def of_xarray(cls, dataset: "xarray.Dataset") -> "Table":
         """Return a table with the coordinates, variables and attributes of an xarray dataset.
 
         Arrays are not copied, so that changes of values are seen in both.
         """
 
-        def plain(arrays: Mapping[Any, xarray.DataArray]) -> dict[str, TableVariable]:
+        def plain(arrays: "Mapping[Any, xarray.DataArray]") -> dict[str, TableVariable]:
             """Return variables of plain arrays."""
             return {
                 str(name): TableVariable(tuple(map(str, a.dims)), a.values, dict(a.attrs))
@@ -106,7 +104,7 @@ class Table:
 
         return cls(plain(dataset.coords), plain(dataset.data_vars), dict(dataset.attrs))
 
-    def to_xarray(self) -> xarray.Dataset:
+    def to_xarray(self) -> "xarray.Dataset":
         """Return the table as an xarray dataset, with its price among the attributes.
 
         Arrays are not copied, so that changes of values are seen in both.

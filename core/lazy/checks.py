@@ -1,7 +1,5 @@
 """Checks of `[reduce]`: problems, each with its path in the study."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping
 
 from vibrafeed.core.errors import Problem

@@ -4,8 +4,6 @@ A block is a box of cells; one call computes every variable in it. Everything th
 memory goes through here: reductions, files, slices of a service, clusters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -103,7 +101,7 @@ def dataset(
 
 def arrays_of(
     prepared: Prepared, *, whole: Collection[str] = (), cells: int | None = None
-) -> dict[str, Array]:
+) -> "dict[str, Array]":
     """Return the variables of a study as dask arrays in the units of files, by name.
 
     Parameters
@@ -210,7 +208,7 @@ def _arrays(
     prepared: Prepared,
     field: Field,
     chunks: Mapping[str, tuple[int, ...]],
-) -> dict[str, Array]:
+) -> "dict[str, Array]":
     def block(block_id: tuple[int, ...] = ()) -> NDArray[Any]:
         held = np.empty([1] * len(block_id), dtype=object)
         box = box_of(chunks, block_id)

@@ -1,7 +1,5 @@
 """The section `[reduce]`: the result of a study holds statistics over some axes, and no cells."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The statistics of a reduction: dask computes them over the blocks of the cells."""
 
-from __future__ import annotations
-
 import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
@@ -32,7 +30,7 @@ COMPARED: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
 }  # fmt: skip
 
 
-def compute(prepared: Reduced, watch: Watch) -> dict[str, NDArray[Any]]:
+def compute(prepared: "Reduced", watch: Watch) -> dict[str, NDArray[Any]]:
     """Return the variables of a reduced study, in the units of files.
 
     Raises
@@ -65,7 +63,7 @@ class Counted:
         return counted
 
 
-def _counting(prepared: Reduced) -> Plan:
+def _counting(prepared: "Reduced") -> Plan:
     """Return the plan of what a reduction needs, with outputs that are NaN in other cells.
 
     A loop that writes NaN at once takes half as long as one that writes regimes besides.
@@ -85,7 +83,7 @@ def _counting(prepared: Reduced) -> Plan:
 class Cells:
     """The cells that a reduction asks for, as lazy arrays."""
 
-    def __init__(self, prepared: Reduced):
+    def __init__(self, prepared: "Reduced"):
         self.asked, self._prepared = prepared.asked, prepared
         # numpy is ten times as fast over leading axes as over last ones, unless these fill a block.
         over = prepared.asked.over
@@ -101,7 +99,7 @@ class Cells:
         counted = [one.of for one in prepared.statistics if one.what == "count"]
         self._of = {name: self._moments(self._arrays[name]) for name in counted}
 
-    def variable(self, statistic: Statistic) -> xarray.DataArray:
+    def variable(self, statistic: "Statistic") -> xarray.DataArray:
         """Return a variable of the result."""
         if statistic.what == "regime":
             regimes = self._arrays[statistic.of]
@@ -187,7 +185,7 @@ class Cells:
         )
         return quantiles
 
-    def _crossing(self, values: xarray.DataArray, statistic: Statistic) -> xarray.DataArray:
+    def _crossing(self, values: xarray.DataArray, statistic: "Statistic") -> xarray.DataArray:
         level = statistic.level
         assert level is not None
         largest = level.take == "largest"

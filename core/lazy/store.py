@@ -4,8 +4,6 @@ A Zarr group takes blocks in any order and from anywhere, so that a run that was
 the workers of a cluster write it together. A NetCDF file is written in one go, by one thread.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import deque
@@ -149,7 +147,7 @@ class Written:
     ends: dict[str, tuple[float, float]] = field(default_factory=dict)
     regimes: dict[str, dict[str, int]] = field(default_factory=dict)
 
-    def add(self, other: Written) -> None:
+    def add(self, other: "Written") -> None:
         """Add other blocks."""
         self.cells += other.cells
         for name, (least, largest) in other.ends.items():

@@ -3,8 +3,6 @@
 Every size that is allocated here is that of a chunk, whatever the size of the sweep.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import operator
