@@ -9,15 +9,14 @@ import math
 from collections import deque
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
-import dask.array
 import numpy as np
-from dask.base import compute
+from dask import compute, delayed
 from numpy.typing import NDArray
 
 from vibrafeed.core.code_version import code_version
@@ -34,7 +33,7 @@ from vibrafeed.core.dataset.stores import (
     put_document,
     remove_all,
 )
-from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.lazy.dataset import (
     STOPPED,
@@ -48,7 +47,6 @@ from vibrafeed.core.lazy.dataset import (
 )
 from vibrafeed.core.plan.labels import coordinates_of
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.system import cores, sync
 from vibrafeed.core.watch import Watch
 
@@ -79,11 +77,6 @@ class Block:
     field: Field
     box: Mapping[str, tuple[int, int]]
     at: Mapping[str, int]
-
-    @property
-    def cells(self) -> int:
-        """The number of points."""
-        return math.prod(stop - start for start, stop in self.box.values())
 
 
 class Blocks:
@@ -124,63 +117,6 @@ class Blocks:
         return tuple(chunks[dim][0] for dim in self.prepared.dims[name])
 
 
-def points_of(prepared: Prepared) -> int:
-    """Return the number of points of all blocks of a study."""
-    return sum(prepared.grid.size(one.dims) for one in fields_of(prepared))
-
-
-@dataclass
-class Written:
-    """The blocks that a run has computed and written.
-
-    Attributes
-    ----------
-    cells : int
-        Their points.
-    ends : dict of str to tuple of float
-        The least and largest finite and valid value of each output.
-    regimes : dict of str to dict of str to int
-        Number of cells in each regime, by the name of the verdict and of the regime.
-    """
-
-    cells: int = 0
-    ends: dict[str, tuple[float, float]] = field(default_factory=dict)
-    regimes: dict[str, dict[str, int]] = field(default_factory=dict)
-
-    def add(self, other: "Written") -> None:
-        """Add other blocks."""
-        self.cells += other.cells
-        for name, (least, largest) in other.ends.items():
-            ends = self.ends.get(name, (least, largest))
-            self.ends[name] = min(least, ends[0]), max(largest, ends[1])
-        for name, counts in other.regimes.items():
-            known = self.regimes.setdefault(name, dict.fromkeys(counts, 0))
-            for regime, count in counts.items():
-                known[regime] += count
-
-
-def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) -> Written:
-    """Return extremes and counts of regimes of a block that was computed."""
-    plan, written, variables = blocks.prepared.plan, Written(block.cells), {}
-    for name, values in arrays.items():
-        judge = plan.verdict_on(name)
-        attributes = {} if judge is None else {"ancillary_variables": judge.name}
-        variables[name] = TableVariable(blocks.prepared.dims[name], values, attributes)
-    table = Table({}, variables, {})
-    for name in (name for name in blocks.regions(block) if name in plan.outputs):
-        valid, counted = table.valid(name), np.isfinite(arrays[name])
-        values = arrays[name][counted if valid is None else counted & valid]
-        if values.size:
-            written.ends[name] = float(values.min()), float(values.max())
-    for verdict in plan.verdicts:
-        if verdict.name in blocks.regions(block):
-            written.regimes[verdict.name] = {
-                name: int(np.count_nonzero(arrays[verdict.name] == REGIMES[name].value))
-                for name in verdict.regimes
-            }
-    return written
-
-
 # --- NetCDF
 
 
@@ -192,7 +128,7 @@ def store_netcdf(
     *,
     history: str | None = None,
     compression: bool = True,
-) -> Written:
+) -> None:
     """Compute a study and write it as NetCDF, which appears when it is complete.
 
     Equal studies give equal bytes without a history. Memory is that of a few blocks.
@@ -204,7 +140,7 @@ def store_netcdf(
     OSError
         If it cannot be written.
     """
-    blocks, written = Blocks(prepared), Written()
+    blocks = Blocks(prepared)
     chunks = {name: blocks.chunk(name) for name in outline.variables}
     table, threads = whole_table(prepared, outline), watch.threads or cores()
     if history is not None:
@@ -230,9 +166,7 @@ def store_netcdf(
                 arrays = task.result()
                 for name, region in blocks.regions(block).items():
                     file[name][region] = arrays[name]
-                written.add(summary(blocks, block, arrays))
                 watch.advance(1 / len(blocks))
-    return written
 
 
 def whole_table(prepared: Prepared, outline: Table) -> Table:
@@ -327,7 +261,7 @@ class ZarrStore:
             for name in blocks.regions(block)
         }
 
-    def write(self, index: int, watch: Watch) -> Written:
+    def write(self, index: int, watch: Watch) -> None:
         """Compute a block and store it.
 
         Raises
@@ -345,9 +279,8 @@ class ZarrStore:
         if "://" not in self.where:
             for key in self._keys(blocks, block):
                 sync(Path(self.under_way) / key)
-        return summary(blocks, block, arrays)
 
-    def store(self, watch: Watch) -> Written:
+    def store(self, watch: Watch) -> None:
         """Compute and store all blocks that are missing, on the threads of dask or its cluster.
 
         Raises
@@ -355,23 +288,13 @@ class ZarrStore:
         StoppedError
             If `watch` stops it; the blocks that were written by then stay.
         """
-        missing, count, written = self.missing(), len(Blocks(self.prepared)), Written()
+        missing, count = self.missing(), len(Blocks(self.prepared))
         watch.advance(1 - len(missing) / count)
-
-        def write(numbers: NDArray[np.int64]) -> NDArray[Any]:
-            held = np.empty(1, dtype=object)
-            held[0] = self.write(int(numbers[0]), Watch(threads=1))
-            return held
-
+        write = delayed(self.write, pure=False)
         for start in range(0, len(missing), AT_ONCE):
             some = missing[start : start + AT_ONCE]
-            numbers = dask.array.from_array(np.array(some), chunks=1)
-            stored = numbers.map_blocks(write, dtype=object, meta=np.empty(0, dtype=object))
             with watched(watch.part(len(some) / count)):
-                (found,) = compute(stored)
-            for one in found:
-                written.add(one)
-        return written
+                compute([write(index, Watch(threads=1)) for index in some])
 
     def finish(self, more: Mapping[str, Any] = MappingProxyType({})) -> None:
         """Set the attributes and `more`, such as the cost, and make the complete group visible."""
