@@ -228,7 +228,7 @@ def _arrays(
     for name in field.names:
         dims = prepared.dims[name]
         own = blocks[tuple(slice(None) if dim in dims else 0 for dim in field.dims)]
-        dtype = np.dtype({1: np.int8, 4: np.float32, 8: np.float64}[prepared.width(name)])
+        dtype = np.dtype(np.int8 if prepared.width(name) == 1 else np.float64)
         arrays[name] = own.map_blocks(
             _variable,
             variable=name,

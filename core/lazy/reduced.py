@@ -152,11 +152,6 @@ class Reduced(Prepared):
         return 8 * sum(self._points)
 
     @property
-    def computed_bytes(self) -> int:
-        """The bytes of the result as computed."""
-        return self.bytes
-
-    @property
     def cut_axes(self) -> tuple[str, ...]:
         """The axes along which the study can be cut: those that stay."""
         return tuple(axis for axis in self.grid.axes if axis not in self.asked.over)

@@ -172,18 +172,11 @@ class Cells:
         return xarray.DataArray(moments, dims=kept)
 
     def _quantile(self, values: xarray.DataArray) -> xarray.DataArray:
-        gone, shares = self.gone(values), self.asked.quantiles
-        quantiles: xarray.DataArray = xarray.apply_ufunc(
-            _quantiles,
-            values.chunk(dict.fromkeys(gone, -1)),
-            input_core_dims=[gone],
-            output_core_dims=[[QUANTILE]],
-            kwargs={"shares": shares, "axes": len(gone), "times": self.times(values)},
-            dask="parallelized",
-            dask_gufunc_kwargs={"output_sizes": {QUANTILE: len(shares)}},
-            output_dtypes=[np.float64],
-        )
-        return quantiles
+        shape, over = self._prepared.grid.shape, self.asked.over
+        cells = values.expand_dims({dim: shape[dim] for dim in over if dim not in values.dims})
+        # Along one axis dask takes the quantiles of all answers at once.
+        lines = cells.chunk(dict.fromkeys(over, -1)).stack({"cell": over}, create_index=False)
+        return lines.quantile(list(self.asked.quantiles), "cell")
 
     def _crossing(self, values: xarray.DataArray, statistic: "Statistic") -> xarray.DataArray:
         level = statistic.level
@@ -288,33 +281,6 @@ def _statistic(moments: Any, what: str, axis: Any = None, stride: float = 1) -> 
         is_some = np.isfinite(moments[what])
         at = np.where(is_some, moments[what] // stride % len(axis), 0).astype(np.int64)
         return np.where(is_some, axis[at], np.nan)
-
-
-def _quantiles(
-    values: NDArray[np.float64], shares: tuple[float, ...], axes: int, times: int
-) -> NDArray[np.float64]:
-    """Return quantiles over the last `axes` axes of an array, NaN aside, along a new last axis.
-
-    Each value counts `times`, as it stands for so many cells. Between two cells a quantile lies on
-    the straight line between their values, as in numpy's method `linear`.
-    """
-    # numpy.nanquantile takes one line after another, and warns where a line is empty.
-    kept = values.shape[: values.ndim - axes]
-    lines = np.sort(values.reshape(math.prod(kept), -1), axis=-1)
-    counts = np.count_nonzero(~np.isnan(lines), axis=-1)
-    result = np.full((len(lines), len(shares)), np.nan)
-    some = np.flatnonzero(counts)
-    cells = counts[some] * times
-    for k, share in enumerate(shares):
-        before, part = np.divmod(share * (cells - 1), 1.0)
-        at = before.astype(np.int64)
-        low = lines[some, at // times]
-        high = lines[some, np.minimum(at + 1, cells - 1) // times]
-        with np.errstate(invalid="ignore"):
-            step = np.where(low == high, 0.0, high - low)
-            between = np.where(part < 0.5, low + step * part, high - step * (1 - part))
-        result[some, k] = np.where(part == 0, low, between)  # an infinite step has no part of 0
-    return result.reshape(*kept, len(shares))
 
 
 def _crossings(

@@ -16,7 +16,8 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
-from dask import compute, delayed
+from dask.base import compute
+from dask.delayed import delayed
 from numpy.typing import NDArray
 
 from vibrafeed.core.code_version import code_version

@@ -80,7 +80,6 @@ CONTENTS: dict[str, dict[str, Any]] = {
         "parameters": {"frequency": 50, "amplitude": 1e-5, "friction": 0.4,
                        "beta": {"start": 0, "stop": 30, "num": 250}},
     },
-    "32 bits": {**TRACK, "precision": "single"},
     "one cell": {**TRACK, "parameters": {**TRACK["parameters"], "frequency": 50, "alpha": 3,
                                          "amplitude": 2e-4, "beta": 20}},
 }  # fmt: skip
