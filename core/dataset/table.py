@@ -212,7 +212,7 @@ def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
     regimes : ndarray of int
         Values of a variable `regime`, any shape.
     """
-    return shares_of(regime_counts(regimes))
+    return {name: count / regimes.size for name, count in regime_counts(regimes).items()}
 
 
 def regime_counts(regimes: NDArray[np.integer]) -> dict[str, int]:
@@ -220,12 +220,6 @@ def regime_counts(regimes: NDArray[np.integer]) -> dict[str, int]:
     numbers, counts = np.unique(regimes, return_counts=True)
     names = {flag.value: name for name, flag in REGIMES.items()}
     return {names[n]: c for n, c in zip(numbers.tolist(), counts.tolist(), strict=True)}
-
-
-def shares_of(counts: Mapping[str, int]) -> dict[str, float]:
-    """Return the share of cells in each regime that occurs, by name, from their numbers."""
-    whole = sum(counts.values())
-    return {name: count / whole for name, count in counts.items() if count}
 
 
 def flags_of(attributes: Mapping[Any, Any]) -> dict[int, str]:

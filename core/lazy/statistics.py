@@ -2,6 +2,7 @@
 
 import math
 import operator
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, reduce
@@ -40,7 +41,8 @@ def compute(prepared: "Reduced", watch: Watch) -> dict[str, NDArray[Any]]:
     """
     cells = Cells(prepared)
     lazy = {one.name: cells.variable(one).transpose(*one.dims).data for one in prepared.statistics}
-    with watched(watch):
+    with watched(watch), warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, where no cell counts
         (found,) = dask.base.compute(lazy)
     return {name: np.asarray(values) for name, values in found.items()}
 

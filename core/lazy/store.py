@@ -6,9 +6,7 @@ the workers of a cluster write it together. A NetCDF file is written in one go, 
 
 import itertools
 import math
-from collections import deque
-from collections.abc import Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -35,9 +33,7 @@ from vibrafeed.core.dataset.stores import (
     remove_all,
 )
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.lazy.dataset import (
-    STOPPED,
     Field,
     block_cells,
     box_of,
@@ -100,6 +96,11 @@ class Blocks:
         numbers = [int(k) for k in place]
         return Block(one, box_of(chunks, numbers), dict(zip(one.dims, numbers, strict=True)))
 
+    def compute(self, index: int, watch: Watch) -> dict[str, NDArray[Any]]:
+        """Return the variables of a block; raise `StoppedError` if `watch` stops it."""
+        block = self[index]
+        return compute_block(self.prepared, block.field, block.box, watch)
+
     def regions(self, block: Block) -> dict[str, Region]:
         """Return the regions of the arrays that the variables of a block fill.
 
@@ -116,6 +117,18 @@ class Blocks:
         """Return the lengths of the blocks of a variable."""
         chunks = next(chunks for one, chunks, _ in self._fields if name in one.names)
         return tuple(chunks[dim][0] for dim in self.prepared.dims[name])
+
+
+def _computed(
+    function: Callable[[int, Watch], Any], numbers: Sequence[int], at_once: int, watch: Watch
+) -> Iterator[tuple[int, Any]]:
+    """Yield blocks and their results, as many `at_once` as dask is told of."""
+    for start in range(0, len(numbers), at_once):
+        some = numbers[start : start + at_once]
+        with watched(watch.part(len(some) / len(numbers))):
+            task = delayed(function, pure=False)
+            (found,) = compute([task(index, Watch(threads=1)) for index in some])
+        yield from zip(some, found, strict=True)
 
 
 # --- NetCDF
@@ -143,31 +156,16 @@ def store_netcdf(
     """
     blocks = Blocks(prepared)
     chunks = {name: blocks.chunk(name) for name in outline.variables}
-    table, threads = whole_table(prepared, outline), watch.threads or cores()
+    table, at_once = whole_table(prepared, outline), 4 * (watch.threads or cores())
     if history is not None:
         table = table.with_history(history)
-    with whole(path) as temporary:
-        writer = created(temporary, table, compression=compression, chunks=chunks)
-        with writer as file, ThreadPoolExecutor(threads) as pool:
-            waiting: deque[tuple[Block, Future[dict[str, NDArray[Any]]]]] = deque()
-            left = iter(range(len(blocks)))
-            while True:
-                for index in itertools.islice(left, 2 * threads - len(waiting)):
-                    block = blocks[index]
-                    task = pool.submit(
-                        compute_block, prepared, block.field, block.box, Watch(threads=1)
-                    )
-                    waiting.append((block, task))
-                if not waiting:
-                    break
-                if watch.stopped():
-                    pool.shutdown(cancel_futures=True)
-                    raise StoppedError(STOPPED)
-                block, task = waiting.popleft()
-                arrays = task.result()
-                for name, region in blocks.regions(block).items():
-                    file[name][region] = arrays[name]
-                watch.advance(1 / len(blocks))
+    with (
+        whole(path) as temporary,
+        created(temporary, table, compression=compression, chunks=chunks) as file,
+    ):
+        for index, arrays in _computed(blocks.compute, range(len(blocks)), at_once, watch):
+            for name, region in blocks.regions(blocks[index]).items():
+                file[name][region] = arrays[name]
 
 
 def whole_table(prepared: Prepared, outline: Table) -> Table:
@@ -271,8 +269,7 @@ class ZarrStore:
             If `watch` stops it.
         """
         blocks = Blocks(self.prepared)
-        block = blocks[index]
-        arrays = compute_block(self.prepared, block.field, block.box, watch)
+        block, arrays = blocks[index], blocks.compute(index, watch)
         stored = _opened(self.under_way, self.prepared.study.key())
         with plain_errors():
             for name, region in blocks.regions(block).items():
@@ -291,11 +288,8 @@ class ZarrStore:
         """
         missing, count = self.missing(), len(Blocks(self.prepared))
         watch.advance(1 - len(missing) / count)
-        write = delayed(self.write, pure=False)
-        for start in range(0, len(missing), AT_ONCE):
-            some = missing[start : start + AT_ONCE]
-            with watched(watch.part(len(some) / count)):
-                compute([write(index, Watch(threads=1)) for index in some])
+        for _ in _computed(self.write, missing, AT_ONCE, watch.part(len(missing) / count)):
+            pass
 
     def finish(self, more: Mapping[str, Any] = MappingProxyType({})) -> None:
         """Set the attributes and `more`, such as the cost, and make the complete group visible."""
