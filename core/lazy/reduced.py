@@ -46,10 +46,8 @@ class Statistic(NamedTuple):
         The output or verdict.
     axis : str
         The axis whose value at an extreme it has.
-    value : int
-        The regime that is counted.
     conditions : tuple of ShareCondition
-        The conditions of a share.
+        The conditions that cells meet, of a share or a regime.
     level : LevelSet, optional
         The level.
     """
@@ -60,7 +58,6 @@ class Statistic(NamedTuple):
     what: str
     of: str = ""
     axis: str = ""
-    value: int = 0
     conditions: tuple[ShareCondition, ...] = ()
     level: LevelSet | None = None
 
@@ -249,9 +246,8 @@ def statistics_of(prepared: Reduced) -> Iterator[Statistic]:
                 "comment": REGIMES[regime].description,
             }
             name, dims = f"{verdict.name}_{regime}_count", prepared.kept(verdict.name)
-            yield Statistic(
-                name, dims, attributes, "regime", verdict.name, value=REGIMES[regime].value
-            )
+            conditions = (ShareCondition(verdict.name, "==", regime),)
+            yield Statistic(name, dims, attributes, "regime", conditions=conditions)
     for name, conditions in asked.shares.items():
         attributes = {
             "units": "1",

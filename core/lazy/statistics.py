@@ -103,13 +103,11 @@ class Cells:
 
     def variable(self, statistic: "Statistic") -> xarray.DataArray:
         """Return a variable of the result."""
-        if statistic.what == "regime":
-            regimes = self._arrays[statistic.of]
-            return (regimes == statistic.value).sum(self.gone(regimes)) * self.times(regimes)
-        if statistic.what == "share":
+        if statistic.conditions:
             met = reduce(operator.and_, map(self.meets, statistic.conditions))
-            gone = self.gone(met)
-            return met.sum(gone) / math.prod(met.sizes[dim] for dim in gone)
+            count = met.sum(self.gone(met)) * self.times(met)
+            cells = self._prepared.grid.size(self.asked.over)
+            return count / cells if statistic.what == "share" else count
         values = self._arrays[statistic.of]
         if statistic.what == "level":
             return self._crossing(values, statistic)

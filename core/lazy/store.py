@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from dask.base import compute
@@ -51,9 +51,6 @@ STORED_CELLS = 1 << 18
 """Cells of a block that is stored, and of a chunk of its file: 2 MiB a variable."""
 AT_ONCE = 1024
 """Blocks that dask is told of at once: each takes it 15 KB."""
-UNDER_WAY: Final = "This group is being written: missing values read as NaN, a regime as 0."
-"""The comment of a group under way."""
-
 Region = tuple[slice, ...]
 
 
@@ -244,7 +241,7 @@ class ZarrStore:
         create_arrays(group, outline, sizes=self.prepared.grid.shape, chunks=chunks)
         for name, one in coordinates_of(self.prepared.plan, self.prepared.grid).items():
             put(group, name, ..., one.values)
-        group.attrs.update({UNFINISHED: self.identity, "comment": UNDER_WAY})
+        group.attrs[UNFINISHED] = self.identity
         names = (*outline.coordinates, *outline.variables)
         put_document(self.under_way, document_of(group, names))
 
@@ -297,7 +294,6 @@ class ZarrStore:
             group = open_group(self.under_way)
             own = dict(group.attrs)
             own.pop(UNFINISHED, None)
-            own["comment"] = self.prepared.plan.scene.validity
             group.attrs.put({**own, **more})
             begun = group.metadata.consolidated_metadata
             names = () if begun is None else begun.metadata

@@ -72,10 +72,6 @@ class ZarrView:
         array = self._arrays[self._find(key)[0]]
         return math.prod(array.chunks) * array.dtype.itemsize
 
-    def chunks(self) -> dict[str, tuple[int, ...]]:
-        """Return the number of chunks along each dimension of every array."""
-        return {name: self._counts(name) for name in self._arrays}
-
     def _counts(self, name: str) -> tuple[int, ...]:
         array = self._arrays[name]
         return tuple(-(-n // c) for n, c in zip(array.shape, array.chunks, strict=True))

@@ -117,7 +117,7 @@ def test_a_group_that_was_stopped_goes_on_to_the_same_bytes(
         to_zarr(prepared, part, stopping(4))
     begun = files(under_way)
     assert not part.exists()
-    assert "being written" in open_group(str(under_way)).attrs["comment"]
+    assert "unfinished" in open_group(str(under_way)).attrs
     again = prepare_content(content)  # of another process, which has no price yet
     missing = ZarrStore(again, str(part)).missing()
     assert 0 < len(missing) < len(Blocks(prepared))
