@@ -246,8 +246,8 @@ def statistics_of(prepared: Reduced) -> Iterator[Statistic]:
                 "comment": REGIMES[regime].description,
             }
             name, dims = f"{verdict.name}_{regime}_count", prepared.kept(verdict.name)
-            conditions = (ShareCondition(verdict.name, "==", regime),)
-            yield Statistic(name, dims, attributes, "regime", conditions=conditions)
+            met = (ShareCondition(verdict.name, "==", regime),)
+            yield Statistic(name, dims, attributes, "regime", conditions=met)
     for name, conditions in asked.shares.items():
         attributes = {
             "units": "1",
