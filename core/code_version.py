@@ -1,7 +1,5 @@
 """The version of the code that computes: of vibrafeed, and a digest of its sources."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 from pathlib import Path

@@ -9,8 +9,6 @@ of the two a function is, the caller decides; it may be both.
 `vibrafeed.core.kernel_cache` says where machine code is kept.
 """
 
-from __future__ import annotations
-
 import gc
 import inspect
 import math

@@ -182,12 +182,8 @@ def _size_of(prepared: Prepared) -> Size:
     return Size(
         rows=math.prod(prepared.sizes[dim] for dim in kept),
         columns=len(prepared.plan.parameters) + len(prepared.dims),
-        doubles=sum(_as_double(prepared.width(name)) * count for name, count in cells.items()),
+        doubles=8 * sum(cells.values()),
     )
-
-
-def _as_double(width: int) -> int:
-    return 8 if width == 1 else width  # flags become doubles, single precision stays
 
 
 def complete_already(

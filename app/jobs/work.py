@@ -75,7 +75,7 @@ def task_of(prepared: Prepared, process: str, settings: Settings) -> Task:
     block_cells, count = blocks(prepared, process, settings)
     if process in KINDS:
         # Blocks and the result are there at the same time, for a moment.
-        needed = prepared.bytes + prepared.computed_bytes
+        needed = 2 * prepared.bytes
         price = prepared.price.of(prepared.cells)
     else:
         needed, price = REPORT_BYTES, REPORT_SECONDS

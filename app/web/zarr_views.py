@@ -19,24 +19,21 @@ class ZarrViews:
         self._store = store
         self._made = lru_cache(MAX_VIEWS)(self._make)
 
-    def view(self, key: str, chunks: str = "") -> ZarrView:
+    def view(self, key: str) -> ZarrView:
         """Return the Zarr view of a stored sweep: chunks are computed when they are read.
 
-        `key` is the sweep's identifier; `chunks` holds a reader's wishes for chunk lengths, such as
-        `frequency:all,friction:1`.
+        `key` is the sweep's identifier.
 
         Raises
         ------
         NotFoundError
             If there is no such sweep.
-        StudyError
-            If the wishes cannot be met.
         """
         if not self._store.used(key):  # it may have been removed since it was last read
             self._store.sweep(key)
         self._store.note_use(key)
-        return self._made(key, chunks)
+        return self._made(key)
 
-    def _make(self, key: str, chunks: str) -> ZarrView:
+    def _make(self, key: str) -> ZarrView:
         sweep = self._store.sweep(key)
-        return ZarrView(sweep, outline(sweep.unverified()), chunks=chunks)
+        return ZarrView(sweep, outline(sweep.unverified()))

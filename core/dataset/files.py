@@ -1,7 +1,5 @@
 """Files that appear complete or not at all, and the choices in which they are stored."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 from collections.abc import Iterator

@@ -3,8 +3,7 @@
 NetCDF and Zarr can be read back as well, and written in any other format.
 """
 
-from __future__ import annotations
-
+import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -13,7 +12,6 @@ from pathlib import Path
 from typing import Final
 
 from vibrafeed.core.dataset import matlab, workbook
-from vibrafeed.core.dataset.csv_metadata import csv_metadata, metadata_path
 from vibrafeed.core.dataset.files import USUAL, Storage, whole
 from vibrafeed.core.dataset.frame import Frame, csv, parquet
 from vibrafeed.core.dataset.group import write_zarr
@@ -156,11 +154,13 @@ def _write_rows(
 
 
 def _write_csv(table: Table, where: str, storage: Storage) -> None:
-    """Write a table as CSV, and its metadata as JSON in a file beside it."""
-    path, style = Path(where), storage.csv_style
-    with whole(metadata_path(path)) as beside:
-        beside.write_bytes(csv_metadata(Frame.of(table), path.name, style))
-        _write_rows(partial(csv, style=style), table, where, storage)
+    """Write a table as CSV, and what CSV cannot hold as JSON in a file beside it."""
+    path = Path(where)
+    about = table.to_xarray().to_dict(data=False)
+    text = json.dumps(about, indent=2, ensure_ascii=False)
+    with whole(path.with_name(f"{path.name}.json")) as beside:
+        beside.write_text(f"{text}\n", encoding="utf-8")
+        _write_rows(partial(csv, style=storage.csv_style), table, where, storage)
 
 
 FORMATS: Final[Mapping[str, Format]] = {

@@ -4,8 +4,6 @@ CSV has units in its headings, `frequency [Hz]`, as it has no other place for th
 files have that vibrafeed reads; Parquet has bare names, and units as metadata of the columns.
 """
 
-from __future__ import annotations
-
 import math
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -17,9 +15,7 @@ import numpy as np
 
 from vibrafeed.core.dataset.files import CsvStyle
 from vibrafeed.core.dataset.limits import check_limit
-from vibrafeed.core.dataset.table import Table, TableVariable, regime_counts
-from vibrafeed.core.quantities import REGIMES
-from vibrafeed.core.quantities.flags import is_regime
+from vibrafeed.core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
     import pandas
@@ -48,7 +44,7 @@ class Frame:
     sizes: Mapping[str, int]
 
     @classmethod
-    def of(cls, table: Table, *, most: int | None = None) -> Frame:
+    def of(cls, table: Table, *, most: int | None = None) -> "Frame":
         """Return the rows of a table, one for each cell, to be written as CSV, Parquet or Excel.
 
         Raises `LimitError` if there are more than `most` rows; None allows any number.
@@ -69,28 +65,9 @@ class Frame:
         return math.prod(self.sizes.values())
 
     @property
-    def note(self) -> str:
-        """Sentences for the file on the cells whose regime does not describe a real part.
-
-        Each has their number and the names of their regimes; it is empty if there are none.
-        """
-        sentences = []
-        for name, regime in self.table.variables.items():
-            if not is_regime(name) or "flag_values" not in regime.attributes:
-                continue
-            counts = regime_counts(regime.values)
-            beyond = {one: count for one, count in counts.items() if not REGIMES[one].valid}
-            if beyond:
-                share = f"{sum(beyond.values()):,} of {regime.values.size:,} cells"
-                told = f"{share} do not describe a real part: {name} {', '.join(beyond)}"
-                sentences.append(told)
-        return "; ".join(sentences)
-
-    @property
     def about(self) -> dict[str, Any]:
-        """The attributes of the table, with cost and notes."""
-        note = {"note": self.note} if self.note else {}
-        return {**self.table.attributes, **self.table.price, **note}
+        """The attributes of the table, with cost."""
+        return {**self.table.attributes, **self.table.price}
 
     @cached_property
     def columns(self) -> dict[str, TableVariable]:
@@ -102,7 +79,7 @@ class Frame:
         """The names of the columns with their units."""
         return [heading(name, column) for name, column in self.columns.items()]
 
-    def pieces(self, rows: int) -> Iterator[pandas.DataFrame]:
+    def pieces(self, rows: int) -> "Iterator[pandas.DataFrame]":
         """Yield the rows as data frames of pandas, so many at a time; flags are categories."""
         import pandas  # heavy, and NetCDF and Zarr do without it
 

@@ -1,7 +1,5 @@
 """A whole table as a Zarr group."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -64,7 +62,7 @@ def write_zarr(table: Table, where: str, storage: Storage) -> None:
         raise
 
 
-def _write_version_2(table: Table, group: zarr.Group) -> None:
+def _write_version_2(table: Table, group: "zarr.Group") -> None:
     unmasked: dict[str, Any] = {
         name: {"_FillValue": None}
         for name, one in table.variables.items()
@@ -75,7 +73,7 @@ def _write_version_2(table: Table, group: zarr.Group) -> None:
     )
 
 
-def _write_version_3(table: Table, group: zarr.Group, where: str) -> None:
+def _write_version_3(table: Table, group: "zarr.Group", where: str) -> None:
     create_arrays(group, table)
     everything = {**table.coordinates, **table.variables}
     for name, one in everything.items():
@@ -84,7 +82,7 @@ def _write_version_3(table: Table, group: zarr.Group, where: str) -> None:
 
 
 def create_arrays(
-    group: zarr.Group,
+    group: "zarr.Group",
     table: Table,
     *,
     sizes: Mapping[str, int] = MappingProxyType({}),
@@ -137,7 +135,7 @@ def create_arrays(
 
 
 def put(
-    group: zarr.Group | Mapping[str, Any], name: str, region: Any, values: np.ndarray[Any, Any]
+    group: "zarr.Group | Mapping[str, Any]", name: str, region: Any, values: np.ndarray[Any, Any]
 ) -> None:
     """Write values into an array of a group; also chunks of nothing but the fill value are kept."""
     array: Any = group[name]

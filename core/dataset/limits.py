@@ -1,7 +1,5 @@
 """Sizes of results, and limits on them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from vibrafeed.core.errors import LimitError

@@ -3,8 +3,6 @@
 The file holds one structure, `result`, whose fields are structures with a field for each variable.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable

@@ -4,8 +4,6 @@ The netCDF4 library crashes when two threads of a process are in it, even on dif
 functions take no lock: a process that has threads gives all of them to one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -58,7 +56,7 @@ def created(
     *,
     compression: bool,
     chunks: Mapping[str, tuple[int, ...]] = MappingProxyType({}),
-) -> Iterator[netCDF4.Dataset]:
+) -> "Iterator[netCDF4.Dataset]":
     """Create the NetCDF file of a table, and keep it open for the values of its variables.
 
     Coordinates have their values.
@@ -90,7 +88,7 @@ def created(
 
 
 def _define(
-    file: netCDF4.Dataset, table: Table, compression: bool, chunks: Mapping[str, tuple[int, ...]]
+    file: "netCDF4.Dataset", table: Table, compression: bool, chunks: Mapping[str, tuple[int, ...]]
 ) -> None:
     file.setncatts(_attributes(table.attributes))
     for name, coordinate in table.coordinates.items():
@@ -117,8 +115,8 @@ def _links(table: Table, name: str) -> dict[str, str]:
 
 
 def _add(
-    file: netCDF4.Dataset, name: str, variable: TableVariable, **storage: Any
-) -> netCDF4.Variable[Any]:
+    file: "netCDF4.Dataset", name: str, variable: TableVariable, **storage: Any
+) -> "netCDF4.Variable[Any]":
     """Create a variable in a NetCDF file, without values, and return it."""
     # CF forbids fill values in coordinates, and in flags they would turn integers into floats.
     dtype: Any = variable.values.dtype

@@ -1,7 +1,5 @@
 """Reading a NetCDF file or Zarr group of ours back as a table."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

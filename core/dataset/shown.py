@@ -1,7 +1,5 @@
 """A dataset in the units in which a person reads it."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +10,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-def in_shown_units(dataset: xarray.Dataset, units: ShownUnits) -> xarray.Dataset:
+def in_shown_units(dataset: "xarray.Dataset", units: ShownUnits) -> "xarray.Dataset":
     """Return a copy of a dataset in units for reading, such as mm/s; flags are unchanged.
 
     `units` chooses the unit of each variable by its unit in the dataset and its largest value.

@@ -1,7 +1,5 @@
 """Zarr groups in folders and on object stores, as zarr-python opens them."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import shutil
@@ -26,7 +24,7 @@ UNFINISHED: Final = "unfinished"
 
 def open_group(
     where: str, *, create: bool = False, read_only: bool = False, version: ZarrVersion = 3
-) -> zarr.Group:
+) -> "zarr.Group":
     """Return the Zarr group in a folder, or at the URL of an object store.
 
     `version` is that of the format of a group that is created.
@@ -48,7 +46,7 @@ def open_group(
     return zarr.open_group(store, mode="r" if read_only else "r+")
 
 
-def document_of(group: zarr.Group, names: Iterable[str]) -> bytes:
+def document_of(group: "zarr.Group", names: Iterable[str]) -> bytes:
     """Return the document of a group with those of its arrays, so that one request opens it.
 
     `names` are its arrays in the order in which readers are to have them; zarr-python's own has an
@@ -80,7 +78,7 @@ def put_document(where: str, document: bytes) -> None:
         temporary.write_bytes(document)
 
 
-def open_store(where: str) -> ObjectStore:
+def open_store(where: str) -> "ObjectStore":
     """Return the object store at a URL.
 
     Raises

@@ -1,7 +1,5 @@
 """A result as a workbook of Excel: its rows, the meaning of its columns, and its study."""
 
-from __future__ import annotations
-
 import math
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping

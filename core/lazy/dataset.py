@@ -4,8 +4,6 @@ A block is a box of cells; one call computes every variable in it. Everything th
 memory goes through here: reductions, files, slices of a service, clusters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -71,13 +69,7 @@ class Field:
         return any(equation.takes_long for equation in self.plan.equations)
 
 
-def dataset(
-    prepared: Prepared,
-    outline: Table,
-    *,
-    whole: Collection[str] = (),
-    cells: int | None = None,
-) -> xarray.Dataset:
+def dataset(prepared: Prepared, outline: Table, *, cells: int | None = None) -> xarray.Dataset:
     """Return the dataset of a study of any size; nothing of it is computed yet.
 
     Parameters
@@ -86,10 +78,10 @@ def dataset(
         A study whose cells are computed one by one.
     outline : Table
         The result of one cell of it: the attributes of the variables and of the whole.
-    whole, cells : optional
+    cells : int, optional
         As for `arrays_of`.
     """
-    arrays = arrays_of(prepared, whole=whole, cells=cells)
+    arrays = arrays_of(prepared, cells=cells)
     variables = {
         name: xarray.Variable(prepared.dims[name], arrays[name], dict(variable.attributes))
         for name, variable in outline.variables.items()
@@ -103,7 +95,7 @@ def dataset(
 
 def arrays_of(
     prepared: Prepared, *, whole: Collection[str] = (), cells: int | None = None
-) -> dict[str, Array]:
+) -> "dict[str, Array]":
     """Return the variables of a study as dask arrays in the units of files, by name.
 
     Parameters
@@ -210,7 +202,7 @@ def _arrays(
     prepared: Prepared,
     field: Field,
     chunks: Mapping[str, tuple[int, ...]],
-) -> dict[str, Array]:
+) -> "dict[str, Array]":
     def block(block_id: tuple[int, ...] = ()) -> NDArray[Any]:
         held = np.empty([1] * len(block_id), dtype=object)
         box = box_of(chunks, block_id)
@@ -230,7 +222,7 @@ def _arrays(
     for name in field.names:
         dims = prepared.dims[name]
         own = blocks[tuple(slice(None) if dim in dims else 0 for dim in field.dims)]
-        dtype = np.dtype({1: np.int8, 4: np.float32, 8: np.float64}[prepared.width(name)])
+        dtype = np.dtype(np.int8 if prepared.width(name) == 1 else np.float64)
         arrays[name] = own.map_blocks(
             _variable,
             variable=name,

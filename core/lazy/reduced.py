@@ -1,7 +1,5 @@
 """The section `[reduce]`: the result of a study holds statistics over some axes, and no cells."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import cached_property
@@ -48,10 +46,8 @@ class Statistic(NamedTuple):
         The output or verdict.
     axis : str
         The axis whose value at an extreme it has.
-    value : int
-        The regime that is counted.
     conditions : tuple of ShareCondition
-        The conditions of a share.
+        The conditions that cells meet, of a share or a regime.
     level : LevelSet, optional
         The level.
     """
@@ -62,7 +58,6 @@ class Statistic(NamedTuple):
     what: str
     of: str = ""
     axis: str = ""
-    value: int = 0
     conditions: tuple[ShareCondition, ...] = ()
     level: LevelSet | None = None
 
@@ -152,11 +147,6 @@ class Reduced(Prepared):
     def bytes(self) -> int:
         """The bytes of the result, uncompressed."""
         return 8 * sum(self._points)
-
-    @property
-    def computed_bytes(self) -> int:
-        """The bytes of the result as computed."""
-        return self.bytes
 
     @property
     def cut_axes(self) -> tuple[str, ...]:
@@ -256,9 +246,8 @@ def statistics_of(prepared: Reduced) -> Iterator[Statistic]:
                 "comment": REGIMES[regime].description,
             }
             name, dims = f"{verdict.name}_{regime}_count", prepared.kept(verdict.name)
-            yield Statistic(
-                name, dims, attributes, "regime", verdict.name, value=REGIMES[regime].value
-            )
+            met = (ShareCondition(verdict.name, "==", regime),)
+            yield Statistic(name, dims, attributes, "regime", conditions=met)
     for name, conditions in asked.shares.items():
         attributes = {
             "units": "1",

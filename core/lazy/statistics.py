@@ -1,9 +1,8 @@
 """The statistics of a reduction: dask computes them over the blocks of the cells."""
 
-from __future__ import annotations
-
 import math
 import operator
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, reduce
@@ -32,7 +31,7 @@ COMPARED: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
 }  # fmt: skip
 
 
-def compute(prepared: Reduced, watch: Watch) -> dict[str, NDArray[Any]]:
+def compute(prepared: "Reduced", watch: Watch) -> dict[str, NDArray[Any]]:
     """Return the variables of a reduced study, in the units of files.
 
     Raises
@@ -42,7 +41,8 @@ def compute(prepared: Reduced, watch: Watch) -> dict[str, NDArray[Any]]:
     """
     cells = Cells(prepared)
     lazy = {one.name: cells.variable(one).transpose(*one.dims).data for one in prepared.statistics}
-    with watched(watch):
+    with watched(watch), warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, where no cell counts
         (found,) = dask.base.compute(lazy)
     return {name: np.asarray(values) for name, values in found.items()}
 
@@ -65,7 +65,7 @@ class Counted:
         return counted
 
 
-def _counting(prepared: Reduced) -> Plan:
+def _counting(prepared: "Reduced") -> Plan:
     """Return the plan of what a reduction needs, with outputs that are NaN in other cells.
 
     A loop that writes NaN at once takes half as long as one that writes regimes besides.
@@ -85,7 +85,7 @@ def _counting(prepared: Reduced) -> Plan:
 class Cells:
     """The cells that a reduction asks for, as lazy arrays."""
 
-    def __init__(self, prepared: Reduced):
+    def __init__(self, prepared: "Reduced"):
         self.asked, self._prepared = prepared.asked, prepared
         # numpy is ten times as fast over leading axes as over last ones, unless these fill a block.
         over = prepared.asked.over
@@ -101,15 +101,13 @@ class Cells:
         counted = [one.of for one in prepared.statistics if one.what == "count"]
         self._of = {name: self._moments(self._arrays[name]) for name in counted}
 
-    def variable(self, statistic: Statistic) -> xarray.DataArray:
+    def variable(self, statistic: "Statistic") -> xarray.DataArray:
         """Return a variable of the result."""
-        if statistic.what == "regime":
-            regimes = self._arrays[statistic.of]
-            return (regimes == statistic.value).sum(self.gone(regimes)) * self.times(regimes)
-        if statistic.what == "share":
+        if statistic.conditions:
             met = reduce(operator.and_, map(self.meets, statistic.conditions))
-            gone = self.gone(met)
-            return met.sum(gone) / math.prod(met.sizes[dim] for dim in gone)
+            count = met.sum(self.gone(met)) * self.times(met)
+            cells = self._prepared.grid.size(self.asked.over)
+            return count / cells if statistic.what == "share" else count
         values = self._arrays[statistic.of]
         if statistic.what == "level":
             return self._crossing(values, statistic)
@@ -174,20 +172,13 @@ class Cells:
         return xarray.DataArray(moments, dims=kept)
 
     def _quantile(self, values: xarray.DataArray) -> xarray.DataArray:
-        gone, shares = self.gone(values), self.asked.quantiles
-        quantiles: xarray.DataArray = xarray.apply_ufunc(
-            _quantiles,
-            values.chunk(dict.fromkeys(gone, -1)),
-            input_core_dims=[gone],
-            output_core_dims=[[QUANTILE]],
-            kwargs={"shares": shares, "axes": len(gone), "times": self.times(values)},
-            dask="parallelized",
-            dask_gufunc_kwargs={"output_sizes": {QUANTILE: len(shares)}},
-            output_dtypes=[np.float64],
-        )
-        return quantiles
+        shape, over = self._prepared.grid.shape, self.asked.over
+        cells = values.expand_dims({dim: shape[dim] for dim in over if dim not in values.dims})
+        # Along one axis dask takes the quantiles of all answers at once.
+        lines = cells.chunk(dict.fromkeys(over, -1)).stack({"cell": over}, create_index=False)
+        return lines.quantile(list(self.asked.quantiles), "cell")
 
-    def _crossing(self, values: xarray.DataArray, statistic: Statistic) -> xarray.DataArray:
+    def _crossing(self, values: xarray.DataArray, statistic: "Statistic") -> xarray.DataArray:
         level = statistic.level
         assert level is not None
         largest = level.take == "largest"
@@ -290,33 +281,6 @@ def _statistic(moments: Any, what: str, axis: Any = None, stride: float = 1) -> 
         is_some = np.isfinite(moments[what])
         at = np.where(is_some, moments[what] // stride % len(axis), 0).astype(np.int64)
         return np.where(is_some, axis[at], np.nan)
-
-
-def _quantiles(
-    values: NDArray[np.float64], shares: tuple[float, ...], axes: int, times: int
-) -> NDArray[np.float64]:
-    """Return quantiles over the last `axes` axes of an array, NaN aside, along a new last axis.
-
-    Each value counts `times`, as it stands for so many cells. Between two cells a quantile lies on
-    the straight line between their values, as in numpy's method `linear`.
-    """
-    # numpy.nanquantile takes one line after another, and warns where a line is empty.
-    kept = values.shape[: values.ndim - axes]
-    lines = np.sort(values.reshape(math.prod(kept), -1), axis=-1)
-    counts = np.count_nonzero(~np.isnan(lines), axis=-1)
-    result = np.full((len(lines), len(shares)), np.nan)
-    some = np.flatnonzero(counts)
-    cells = counts[some] * times
-    for k, share in enumerate(shares):
-        before, part = np.divmod(share * (cells - 1), 1.0)
-        at = before.astype(np.int64)
-        low = lines[some, at // times]
-        high = lines[some, np.minimum(at + 1, cells - 1) // times]
-        with np.errstate(invalid="ignore"):
-            step = np.where(low == high, 0.0, high - low)
-            between = np.where(part < 0.5, low + step * part, high - step * (1 - part))
-        result[some, k] = np.where(part == 0, low, between)  # an infinite step has no part of 0
-    return result.reshape(*kept, len(shares))
 
 
 def _crossings(

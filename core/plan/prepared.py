@@ -107,11 +107,6 @@ class Prepared:
         """The bytes of the stored outputs, uncompressed."""
         return sum(self.grid.size(dims) * self.width(name) for name, dims in self.dims.items())
 
-    @property
-    def computed_bytes(self) -> int:
-        """The bytes of the outputs as computed."""
-        return self.bytes
-
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""
         return 1 if is_status(name) or self._is_flag(name) else 8

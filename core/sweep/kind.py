@@ -2,10 +2,9 @@
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import Any, ClassVar, Final
+from typing import ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import Problem, StudyError, raise_any
@@ -55,32 +54,6 @@ class Sweep(Prepared):
     def _new_price(self) -> Price:
         passes = 1 if self.derived is None else self.derived.passes
         return Price(0.0, passes * super()._new_price().cell)
-
-    @property
-    def is_single(self) -> bool:
-        """True if values are stored in 32 bits."""
-        return self.study.precision == "single"
-
-    def width(self, name: str) -> int:
-        """Return the bytes of a stored value."""
-        return min(super().width(name), 4) if self.is_single else super().width(name)
-
-    @property
-    def computed_bytes(self) -> int:
-        """The bytes of the outputs as computed, in 64 bits."""
-        return sum(self.grid.size(at) * super(Sweep, self).width(n) for n, at in self.dims.items())
-
-    def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values of an output in the units of files, in 32 bits if the study asks.
-
-        `name` is the output, `values` are in SI units and radians. What is too large for 32 bits is
-        infinite.
-        """
-        values = super().in_files(name, values)
-        if not self.is_single or values.dtype != np.float64:
-            return values
-        with np.errstate(over="ignore"):  # what is too large for 32 bits is infinite
-            return values.astype(np.float32)
 
 
 class ReducedSweep(Reduced):
@@ -133,18 +106,11 @@ def _problems_of_form(study: SweepStudy) -> Iterable[Problem]:
     asked = study.reduce
     if asked is not None:
         yield from problems_of_names(asked, study.outputs, study.values())
-    if asked is not None and study.precision is not None:
-        yield Problem(
-            "precision",
-            "it says how cells are stored, and reduce stores none",
-            "Leave it out",
-        )
-    if study.sensitivities and (asked is not None or study.precision is not None):
-        other = "reduce" if asked is not None else "precision"
+    if asked is not None and study.sensitivities:
         yield Problem(
             "sensitivities",
-            f"derivatives are given with all cells, in 64 bits; the study has {other} too",
-            f"Remove either sensitivities or {other}",
+            "derivatives are given with all cells; the study has reduce too",
+            "Remove either sensitivities or reduce",
         )
 
 
@@ -195,10 +161,10 @@ def verified_alone(prepared: Prepared, watch: Watch) -> dict[str, str | int]:
 
 def attributes_of(prepared: Prepared) -> dict[str, str]:
     """Return attributes of a sweep's result known before computing: study, source and accuracy."""
-    told = accuracy(prepared.plan.scene)
-    if getattr(prepared.study, "precision", None) == "single":
-        told += "; then rounded to 32-bit floats, by at most 6e-8 of each value"
-    return {**global_attributes(prepared, "closed-form equations"), "accuracy": told}
+    return {
+        **global_attributes(prepared, "closed-form equations"),
+        "accuracy": accuracy(prepared.plan.scene),
+    }
 
 
 KIND: Final = Kind(

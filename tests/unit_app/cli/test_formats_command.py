@@ -97,7 +97,7 @@ def test_every_kind_goes_into_every_format(kind, name, tmp_path):
         np.testing.assert_array_equal(read(tmp_path / "exported" / f"x{suffix}", name), expected)
     for suffix in SUFFIXES[:3]:
         np.testing.assert_array_equal(read(tmp_path / "new" / f"x{suffix}", name), expected)
-    assert (tmp_path / "new" / "x.csv-metadata.json").exists()
+    assert (tmp_path / "new" / "x.csv.json").exists()
     assert not [path for path in (tmp_path / "new").iterdir() if path.name.startswith(".")]
 
 

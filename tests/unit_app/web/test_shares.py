@@ -68,14 +68,11 @@ def test_who_reads_many_chunks_takes_no_thread_from_small_slices(tmp_path, monke
         most = client.app.state.process_pool.fair_queue.slots - 1
         statuses = []
 
-        def ask(wishes):
-            path = f"{address}/zarr/{wishes}acceleration_x/c/0/0/0/0"
+        def ask():
+            path = f"{address}/zarr/acceleration_x/c/0/0/0/0"
             statuses.append(client.get(path).status_code)
 
-        threads = [
-            threading.Thread(target=ask, args=(wishes,))
-            for wishes in ["chunks=beta:1/", "chunks=beta:2/"] + [""] * 3 * most
-        ]
+        threads = [threading.Thread(target=ask) for _ in range(3 * most + 2)]
         assert client.get(f"{address}/zarr/zarr.json").status_code == 200
         for thread in threads:
             thread.start()

@@ -78,11 +78,6 @@ def test_pandas_reads_csv_for_excel_in_europe(motion, tmp_path):
     assert place.read_bytes().count(b"\xef\xbb\xbf") == 1
     found = pandas.read_csv(place, sep=";", decimal=",")
     check_same(found, rows(motion, with_units=True))
-    told = json.loads((tmp_path / "x.csv-metadata.json").read_text())
-    assert told["dialect"] == {"delimiter": ";"}
-    (first, *_, regime) = told["tableSchema"]["columns"]
-    assert first["datatype"] == {"base": "number", "format": {"decimalChar": ","}}
-    assert regime["datatype"] == "string"
 
 
 def test_pandas_reads_parquet(places, motion):
@@ -144,18 +139,12 @@ def test_xarray_reads_netcdf_and_zarr(places, motion, suffix, engine):
 
 
 def test_what_csv_cannot_hold_stands_beside_it(places, motion):
-    beside = places[".csv"].with_name("result.csv-metadata.json")
-    told = json.loads(beside.read_text())
-    assert told["@context"] == "http://www.w3.org/ns/csvw"
-    assert told["url"] == "result.csv"
-    columns = {one["name"]: one for one in told["tableSchema"]["columns"]}
-    heads = places[".csv"].read_text().splitlines()[0].split(",")
-    assert [one["titles"] for one in columns.values()] == heads
-    assert columns["beta"]["schema:unitText"] == "degree"
-    assert columns["beta"]["dc:description"] == "Elevation of the drive above the floor plane."
-    assert (columns["beta"]["datatype"], columns["regime"]["datatype"]) == ("number", "string")
-    (about,) = told["notes"]
-    assert about["study"] == json.loads(motion.attributes["study"])
+    told = json.loads(places[".csv"].with_name("result.csv.json").read_text())
+    beta = told["coords"]["beta"]["attrs"]
+    assert beta["units"] == "degree"
+    assert beta["comment"] == "Elevation of the drive above the floor plane."
+    about = told["attrs"]
+    assert about["study"] == motion.attributes["study"]
     assert about["study_sha256"] == motion.attributes["study_sha256"]
 
 
@@ -199,8 +188,6 @@ def test_what_is_awkward(awkward, tmp_path):
             found = {**back.coordinates, **back.variables}[name]
             assert found.values.dtype.kind == one.values.dtype.kind
             np.testing.assert_array_equal(found.values, one.values)
-    (about,) = json.loads((tmp_path / "result.csv-metadata.json").read_text())["notes"]
-    assert "1 of 3 cells" in about["note"]
 
 
 @pytest.mark.parametrize(
