@@ -92,7 +92,8 @@ def install(app: FastAPI, settings: Settings, keys: Keys, stopping: threading.Ev
             ],
             expose_headers=[
                 "Accept-Ranges", "Content-Disposition", "Content-Range", "ETag", "Location",
-                "Preference-Applied", "Repr-Digest", "Retry-After", "X-Request-ID",
+                "Preference-Applied", "Repr-Digest", "Retry-After", "Vibrafeed-Note",
+                "X-Request-ID",
             ],
         )  # fmt: skip
     _describe(app, keys)

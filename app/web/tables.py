@@ -15,6 +15,7 @@ from vibrafeed.core.dataset.formats import FORMATS
 from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.system import installing
 
+NOTE: Final = "Vibrafeed-Note"
 TABLES: Final = {suffix[1:]: one.media for suffix, one in FORMATS.items() if one.media}
 PACKAGES: Final = {form: one.package for form in TABLES if (one := FORMATS[f".{form}"]).package}
 if TYPE_CHECKING:
@@ -75,7 +76,12 @@ def table_reply(frame: Frame, form: str, *, lane: CapacityLimiter | None) -> Res
     """
     write = FORMATS[f".{form}"].pieces
     assert write is not None
-    return StreamingResponse(_written(write(frame), lane), media_type=TABLES[form])
+    pieces = write(frame)
+    note = frame.note
+    reply = StreamingResponse(_written(pieces, lane), media_type=TABLES[form])
+    if note:
+        reply.headers[NOTE] = note
+    return reply
 
 
 async def _written(pieces: Iterator[bytes], lane: CapacityLimiter | None) -> AsyncIterator[bytes]:

@@ -11,6 +11,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from vibrafeed.core.dataset import matlab, workbook
 from vibrafeed.core.dataset.files import USUAL, Storage, whole
 from vibrafeed.core.dataset.frame import Frame, csv, parquet
@@ -156,8 +158,8 @@ def _write_rows(
 def _write_csv(table: Table, where: str, storage: Storage) -> None:
     """Write a table as CSV, and what CSV cannot hold as JSON in a file beside it."""
     path = Path(where)
-    about = table.to_xarray().to_dict(data=False)
-    text = json.dumps(about, indent=2, ensure_ascii=False)
+    about = table.to_xarray().to_dict(data=False) | {"attrs": Frame.of(table).about}
+    text = json.dumps(about, indent=2, ensure_ascii=False, default=np.ndarray.tolist)
     with whole(path.with_name(f"{path.name}.json")) as beside:
         beside.write_text(f"{text}\n", encoding="utf-8")
         _write_rows(partial(csv, style=storage.csv_style), table, where, storage)

@@ -15,7 +15,9 @@ import numpy as np
 
 from vibrafeed.core.dataset.files import CsvStyle
 from vibrafeed.core.dataset.limits import check_limit
-from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.table import Table, TableVariable, regime_counts
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities.flags import is_regime
 
 if TYPE_CHECKING:
     import pandas
@@ -65,9 +67,28 @@ class Frame:
         return math.prod(self.sizes.values())
 
     @property
+    def note(self) -> str:
+        """Sentences for the file on the cells whose regime does not describe a real part.
+
+        Each has their number and the names of their regimes; it is empty if there are none.
+        """
+        sentences = []
+        for name, regime in self.table.variables.items():
+            if not is_regime(name) or "flag_values" not in regime.attributes:
+                continue
+            counts = regime_counts(regime.values)
+            beyond = {one: count for one, count in counts.items() if not REGIMES[one].valid}
+            if beyond:
+                share = f"{sum(beyond.values()):,} of {regime.values.size:,} cells"
+                told = f"{share} do not describe a real part: {name} {', '.join(beyond)}"
+                sentences.append(told)
+        return "; ".join(sentences)
+
+    @property
     def about(self) -> dict[str, Any]:
-        """The attributes of the table, with cost."""
-        return {**self.table.attributes, **self.table.price}
+        """The attributes of the table, with cost and notes."""
+        note = {"note": self.note} if self.note else {}
+        return {**self.table.attributes, **self.table.price, **note}
 
     @cached_property
     def columns(self) -> dict[str, TableVariable]:

@@ -212,10 +212,14 @@ def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
     regimes : ndarray of int
         Values of a variable `regime`, any shape.
     """
+    return {name: count / regimes.size for name, count in regime_counts(regimes).items()}
+
+
+def regime_counts(regimes: NDArray[np.integer]) -> dict[str, int]:
+    """Return the number of cells in each regime that occurs, by name, in the order of the flags."""
     numbers, counts = np.unique(regimes, return_counts=True)
     names = {flag.value: name for name, flag in REGIMES.items()}
-    shares = counts / regimes.size
-    return {names[n]: share for n, share in zip(numbers.tolist(), shares.tolist(), strict=True)}
+    return {names[n]: c for n, c in zip(numbers.tolist(), counts.tolist(), strict=True)}
 
 
 def flags_of(attributes: Mapping[Any, Any]) -> dict[int, str]:

@@ -28,10 +28,24 @@ def problems_of_names(
     values : mapping of str to Values
         Its parameters, of which those with several values are axes.
     """
+    axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
+    numbers = [name for name in outputs if name not in FLAGS]  # a mean of codes says nothing
+    axis, number = "an axis of this study", "a numeric output of this study"
+    named = [(f"over.{k}", name, axis, axes) for k, name in enumerate(asked.over)]
+    named += [(f"of.{k}", name, number, numbers) for k, name in enumerate(asked.of)]
+    for key, level in asked.levels.items():
+        named.append((f"levels.{key}.output", level.output, number, numbers))
+        named.append((f"levels.{key}.along", level.along, "an axis in reduce.over", [*asked.over]))
+    for key, conditions in asked.shares.items():
+        named += [
+            (f"shares.{key}.{k}", condition.name, "an output of this study", [*outputs])
+            for k, condition in enumerate(conditions)
+            if not condition.is_regime
+        ]
     suggest = Suggestions()
     problems = [
         Problem(f"reduce.{place}", f"'{name[:60]}' is not {what}", suggest(name, known))
-        for place, name, what, known in _named(asked, outputs, values)
+        for place, name, what, known in named
         if name not in known
     ]
     problems += [
@@ -39,31 +53,11 @@ def problems_of_names(
         for key, conditions in asked.shares.items()
         if not conditions
     ]
-    of_numbers = (asked.statistics or asked.quantiles) and not {*outputs} <= {*FLAGS}
+    of_numbers = numbers and (asked.statistics or asked.quantiles)
     if not (of_numbers or asked.regimes or asked.shares or asked.levels):
         fix = "Give statistics, quantiles, regimes, shares or levels"
         problems.append(Problem("reduce", "no statistic is requested", fix))
     return problems
-
-
-def _named(
-    asked: Reduction, outputs: Collection[str], values: Mapping[str, Values]
-) -> Iterator[tuple[str, str, str, list[str]]]:
-    """Yield place and name of all that is named, with what it has to be, and the names of these."""
-    axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
-    number = "a numeric output of this study"
-    numbers = [name for name in outputs if name not in FLAGS]  # a mean of codes says nothing
-    for k, name in enumerate(asked.over):
-        yield f"over.{k}", name, "an axis of this study", axes
-    for k, name in enumerate(asked.of):
-        yield f"of.{k}", name, number, numbers
-    for key, level in asked.levels.items():
-        yield f"levels.{key}.output", level.output, number, numbers
-        yield f"levels.{key}.along", level.along, "an axis in reduce.over", [*asked.over]
-    for key, conditions in asked.shares.items():
-        for k, condition in enumerate(conditions):
-            if not condition.is_regime:
-                yield f"shares.{key}.{k}", condition.name, "an output of this study", [*outputs]
 
 
 def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:

@@ -69,7 +69,13 @@ class Field:
         return any(equation.takes_long for equation in self.plan.equations)
 
 
-def dataset(prepared: Prepared, outline: Table, *, cells: int | None = None) -> xarray.Dataset:
+def dataset(
+    prepared: Prepared,
+    outline: Table,
+    *,
+    whole: Collection[str] = (),
+    cells: int | None = None,
+) -> xarray.Dataset:
     """Return the dataset of a study of any size; nothing of it is computed yet.
 
     Parameters
@@ -78,10 +84,10 @@ def dataset(prepared: Prepared, outline: Table, *, cells: int | None = None) -> 
         A study whose cells are computed one by one.
     outline : Table
         The result of one cell of it: the attributes of the variables and of the whole.
-    cells : int, optional
+    whole, cells : optional
         As for `arrays_of`.
     """
-    arrays = arrays_of(prepared, cells=cells)
+    arrays = arrays_of(prepared, whole=whole, cells=cells)
     variables = {
         name: xarray.Variable(prepared.dims[name], arrays[name], dict(variable.attributes))
         for name, variable in outline.variables.items()

@@ -161,10 +161,8 @@ def verified_alone(prepared: Prepared, watch: Watch) -> dict[str, str | int]:
 
 def attributes_of(prepared: Prepared) -> dict[str, str]:
     """Return attributes of a sweep's result known before computing: study, source and accuracy."""
-    return {
-        **global_attributes(prepared, "closed-form equations"),
-        "accuracy": accuracy(prepared.plan.scene),
-    }
+    form = "closed-form equations"
+    return {**global_attributes(prepared, form), "accuracy": accuracy(prepared.plan.scene)}
 
 
 KIND: Final = Kind(

@@ -72,7 +72,7 @@ def test_it_is_read_while_it_grows_and_survives_kills(server: Server, tmp_path: 
     job = server.waited(number, lambda job: job["progress"] >= 10)
     assert job["status"] == "running"
     growing = group(server, number)
-    assert "unfinished" in growing.attrs
+    assert "being written" in growing.attrs["comment"]
     assert dict(growing.sizes) == {
         "frequency": FREQUENCIES,
         "amplitude": 80,
@@ -98,7 +98,7 @@ def test_it_is_read_while_it_grows_and_survives_kills(server: Server, tmp_path: 
     assert results["dataset"]["length"] > 10_000_000
     whole = group(server, number)
     assert whole.attrs["verified_cells"] == 3
-    assert "unfinished" not in whole.attrs
+    assert "being written" not in whole.attrs["comment"]
     box = {"frequency": (100, 105), "amplitude": (40, 48)}
     want = tabulate(prepare_content({**STUDY, "verify": None}).within(box)).to_xarray()
     found = whole.isel({name: slice(*ends) for name, ends in box.items()})

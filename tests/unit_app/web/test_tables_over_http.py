@@ -15,6 +15,7 @@ from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
+from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.system import installing
 
 CUT = {
@@ -56,6 +57,8 @@ class TestSlices:
         whole = run_study(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
         regimes = words_of(whole.regime.transpose("alpha", "frequency")).ravel()
         assert found["regime"].tolist() == regimes.tolist()
+        beyond = sum(not REGIMES[name].valid for name in regimes)
+        assert reply.headers["vibrafeed-note"].startswith(f"{beyond} of {len(expected)} cells do")
 
     def test_parquet(self, client, address, expected):
         reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": PARQUET})
@@ -67,6 +70,7 @@ class TestSlices:
         assert table.field("frequency").metadata[b"units"] == b"Hz"
         assert table.field("frequency").metadata[b"long_name"] == b"Frequency"
         about = table.schema.metadata
+        assert about[b"note"].decode() == reply.headers["vibrafeed-note"]
         assert len(about[b"study_sha256"]) == 64
         assert set(found["regime"]) <= set(table.column("regime").unique().to_pylist())
 
@@ -76,6 +80,8 @@ class TestSlices:
         found = pandas.read_excel(io.BytesIO(reply.content), sheet_name="values")
         for column in ("alpha [degree]", "frequency [Hz]", "transport_velocity [m s-1]"):
             np.testing.assert_array_equal(found[column], expected[column.split()[0]])
+        about = pandas.read_excel(io.BytesIO(reply.content), sheet_name="study", index_col=0)
+        assert about.value["note"] == reply.headers["vibrafeed-note"]
         by_name = client.get(f"{address}/slice", params={**CUT, "format": "xlsx"})
         assert by_name.content == reply.content
         known = {"Accept": XLSX, "If-None-Match": reply.headers["etag"]}

@@ -188,6 +188,8 @@ def test_what_is_awkward(awkward, tmp_path):
             found = {**back.coordinates, **back.variables}[name]
             assert found.values.dtype.kind == one.values.dtype.kind
             np.testing.assert_array_equal(found.values, one.values)
+    about = json.loads((tmp_path / "result.csv.json").read_text())["attrs"]
+    assert "1 of 3 cells" in about["note"]
 
 
 @pytest.mark.parametrize(

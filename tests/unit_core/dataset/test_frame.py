@@ -65,6 +65,7 @@ def test_parquet(table, monkeypatch):
     assert np.isnan(found["short"].to_numpy()[0])
     assert found.field("a").metadata == {b"units": b"Hz"}
     assert found.schema.metadata[b"title"] == b"T"
+    assert b"1 of 3 cells" in found.schema.metadata[b"note"]
 
 
 def test_a_limit_of_rows(table):
