@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from io import FileIO
 from pathlib import Path
 
+from anyio import to_thread
 from fastapi import Request
 from fastapi.responses import FileResponse, Response
 from starlette.types import Receive, Scope, Send
@@ -47,8 +48,14 @@ def not_modified(request: Request, etag: str, cache: str) -> Response | None:
     return Response(status_code=304, headers={"ETag": etag, "Cache-Control": cache})
 
 
-def document_reply(request: Request, content: bytes, etag: str) -> Response:
-    """Return a JSON document with its ETag, or 304 if the client has it already."""
+async def made_document(request: Request, make: Callable[[], bytes]) -> Response:
+    """Return a JSON document with its ETag, or 304 if the client has it already.
+
+    `make` returns the bytes. Some take seconds the first time: one is made at a time, so that
+    threads remain for other requests.
+    """
+    content = await to_thread.run_sync(make, limiter=request.app.state.one_document)
+    etag = etag_of(content.decode())
     there = not_modified(request, etag, ASK_AGAIN)
     headers = {"ETag": etag, "Cache-Control": ASK_AGAIN}
     return there or Response(content, media_type="application/json", headers=headers)

@@ -12,7 +12,6 @@ import re
 import sqlite3
 import threading
 from collections import Counter
-from typing import Any
 
 from fastapi import FastAPI
 from fastapi.responses import Response
@@ -26,7 +25,7 @@ from vibrafeed.app.jobs.keys import Keys
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.entry import SAFE_METHODS, Entry, owner_of, path_of
 from vibrafeed.app.web.problems import STATUS, TooLargeError
-from vibrafeed.app.web.replies import problem_document, problems
+from vibrafeed.app.web.replies import problem_document
 
 logger = logging.getLogger("vibrafeed")
 
@@ -96,7 +95,6 @@ def install(app: FastAPI, settings: Settings, keys: Keys, stopping: threading.Ev
                 "X-Request-ID",
             ],
         )  # fmt: skip
-    _describe(app, keys)
 
 
 class Guard:
@@ -240,47 +238,3 @@ class Limits:
         if is_long and scope["method"] not in SAFE_METHODS:
             return problem_document(*STATUS[TooLargeError], str(TooLargeError(self.most_bytes)))
         return None
-
-
-def _describe(app: FastAPI, keys: Keys) -> None:
-    """Make the OpenAPI document of an application describe its API keys, and refusals.
-
-    `keys` shows whether any exist: then they are described as required, else as optional.
-    """
-    plain = app.openapi
-    ways: list[dict[str, list[str]]] = [{"bearer": []}, {"header": []}]
-
-    def openapi() -> dict[str, Any]:
-        """Return the OpenAPI document with the security schemes and the replies of refusals."""
-        is_new = app.openapi_schema is None
-        document = plain()
-        document.setdefault("components", {})["securitySchemes"] = {
-            "bearer": {"type": "http", "scheme": "bearer"},
-            "header": {"type": "apiKey", "in": "header", "name": "X-API-Key"},
-        }
-        for path, operations in document["paths"].items():
-            for operation in operations.values():
-                if is_open(path):
-                    operation["security"] = []
-                    continue
-                # Keys come and go while the service runs; replies do not.
-                operation["security"] = ways if keys.are_needed else [{}, *ways]
-                if is_new:
-                    _tell_refusals(operation["responses"])
-        return document
-
-    app.openapi = openapi  # type: ignore[method-assign]
-
-
-def _tell_refusals(responses: dict[str, Any]) -> None:
-    """Add the replies of refused requests (401, 403, 414, 429) to a route's OpenAPI replies."""
-    header = {"WWW-Authenticate": {"schema": {"type": "string"}}}
-    told = problems(s401="No key, or a wrong one, where keys are needed")
-    responses["401"] = {**told[401], "headers": header}
-    others = problems(
-        s403="The role of the key does not allow it",
-        s414="The query is too long",
-        s429="The key sends too many requests",
-    )
-    for status, reply in others.items():
-        responses.setdefault(str(status), reply)

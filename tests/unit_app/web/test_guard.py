@@ -70,9 +70,10 @@ class TestKeys:
         assert behind.get(f"{path}/jobs", headers=BEARER).status_code == 200
 
     def test_every_documented_route_but_the_open_ones_needs_a_key(self, client, without_studies):
-        paths = client.get("/openapi.json").json()["paths"]
+        document = client.get("/openapi.json").json()
+        assert document["security"] == [{"bearer": []}, {"header": []}]
         guarded = 0
-        for path, operations in paths.items():
+        for path, operations in document["paths"].items():
             for method, told in operations.items():
                 reply = client.request(method, path.replace("{", "").replace("}", ""))
                 if path in OPEN:
@@ -83,7 +84,7 @@ class TestKeys:
                     guarded += 1
                     problem(reply, 401, "key")
                     assert reply.headers["www-authenticate"] == "Bearer"
-                    assert told["security"] == [{"bearer": []}, {"header": []}]
+                    assert "security" not in told
                     assert "401" in told["responses"]
         assert guarded >= 10
 
@@ -153,8 +154,7 @@ class TestKeys:
     def test_without_keys_the_document_says_that_they_are_optional(self, tmp_path, without_studies):
         document = serving(tmp_path).get("/openapi.json").json()
         assert set(document["components"]["securitySchemes"]) == {"bearer", "header"}
-        told = document["paths"]["/scenes"]["get"]["security"]
-        assert told == [{}, {"bearer": []}, {"header": []}]
+        assert document["security"] == [{}, {"bearer": []}, {"header": []}]
 
 
 class TestWithoutKeys:
