@@ -16,7 +16,7 @@ from pydantic_core.core_schema import NullableSchema, WithDefaultSchema
 from vibrafeed.app.jobs.keys import Keys
 from vibrafeed.app.web.documents import JobList, Results
 from vibrafeed.app.web.downloads import made_document
-from vibrafeed.app.web.execution import AnyStudy
+from vibrafeed.app.web.execution import AnyStudy, ExecuteRequest
 from vibrafeed.app.web.guard import is_open
 from vibrafeed.app.web.replies import Document, ProblemDocument, component, problems
 from vibrafeed.app.web.sharing import Sharing
@@ -42,14 +42,6 @@ REFUSALS["401"]["headers"] = {"WWW-Authenticate": {"schema": {"type": "string"}}
 
 Number = float | Annotated[str, Field(max_length=200)]
 """A number in the unit of its parameter, or text with a unit."""
-
-
-class ExecuteRequest(BaseModel):
-    """An execute request of OGC API - Processes, with the study under `inputs.study`."""
-
-    inputs: Document
-    outputs: Document = Document()
-    response: Literal["raw", "document"] = "raw"
 
 
 class Range(BaseModel):

@@ -32,8 +32,8 @@ from vibrafeed.app.web.documents import (
     process_list,
     status_info,
 )
-from vibrafeed.app.web.execution import ACCURACY, PROCESSES, AnyStudy
-from vibrafeed.app.web.openapi import ExecuteRequest, StudySchema
+from vibrafeed.app.web.execution import ACCURACY, PROCESSES, AnyStudy, ExecuteRequest
+from vibrafeed.app.web.openapi import StudySchema
 from vibrafeed.app.web.outcomes import results_reply
 from vibrafeed.app.web.prefer import Preferences, preferences
 from vibrafeed.app.web.problems import NoSuchProcessError
