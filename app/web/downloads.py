@@ -56,15 +56,6 @@ async def made_document(request: Request, make: Callable[[], bytes]) -> Response
     return there or Response(content, media_type="application/json", headers=headers)
 
 
-def content_reply(content: bytes, *, etag: str, media_type: str) -> Response:
-    """Return a reply whose content never changes at its address, to be cached for a year.
-
-    `media_type` is the Content-Type, `etag` the ETag of the content.
-    """
-    headers = {"ETag": etag, "Cache-Control": FOR_EVER}
-    return Response(content, headers=headers, media_type=media_type)
-
-
 def file_reply(
     request: Request,
     path: Path,
