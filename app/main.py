@@ -29,7 +29,6 @@ from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.writer import Writer
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web import calculations, guard, openapi, problems
-from vibrafeed.app.web.made_once import MadeOnce
 from vibrafeed.app.web.metrics import Metrics, watch_jobs
 from vibrafeed.app.web.observe import Observe
 from vibrafeed.app.web.routes import (
@@ -121,7 +120,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.large_shares = FairQueue(max(2, CORES))
     app.state.lists = FairQueue(CORES + 1, of_owner=1)
     app.state.process_pool = process_pool
-    app.state.made_once = MadeOnce()
+    app.state.one_document = CapacityLimiter(1)
     app.state.views = ZarrViews(store)
     app.state.warmth = warmth
     app.state.metrics = Metrics()  # other parts add gauges
@@ -139,7 +138,7 @@ def create_app(settings: Settings) -> FastAPI:
     for part in (health, *studies, zarr, processes, jobs, results):
         app.include_router(part.router)
     page.install(app)
-    openapi.install(app)
+    openapi.install(app, keys)
     guard.install(app, settings, keys, app.state.stopping)
     app.add_middleware(Observe, metrics=app.state.metrics, traces=spans)
     return app

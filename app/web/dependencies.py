@@ -22,6 +22,8 @@ from vibrafeed.app.web.outcomes import no_such_job
 from vibrafeed.app.web.problems import TooLargeError
 from vibrafeed.app.web.zarr_views import ZarrViews
 
+MAX_DIGITS = 20  # of a length that fits a limit
+
 
 def _part(name: str) -> Any:
     """Return a dependency that gives a part of the application by its name."""
@@ -71,6 +73,9 @@ async def body_of(request: Request) -> bytes:
         detail = f"The body has the content coding {coding[:40]}. Send it without Content-Encoding."
         raise HTTPException(415, detail, headers={"Accept-Encoding": "identity"})
     limit = request.app.state.settings.max_body_bytes
+    declared = request.headers.get("content-length", "")
+    if declared.isdecimal() and (len(declared) > MAX_DIGITS or int(declared) > limit):
+        raise TooLargeError(limit)
     pieces, size = [], 0
     async for piece in request.stream():
         size += len(piece)

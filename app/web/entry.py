@@ -23,11 +23,12 @@ logger = logging.getLogger("vibrafeed.keys")
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.
 ADMIN_PATHS = frozenset({"/metrics"})
+NOT_ALLOWED = "The role of the key does not allow it"
 MAX_KEYS = 2  # in one request: each takes a look at all keys
+SOON = 0.01  # s between checks that another request has read the keys
 INVALID = RateLimitItemPerMinute(60)  # wrong keys of an address; more of them are answered by 429
 FIRST = RateLimitItemPerMinute(1)  # of them, which is noted in the audit log
 NOTED = RateLimitItemPerMinute(10)  # entries there in all: each is written to the disk
-SOON = 0.01  # s between checks that another request has read the keys
 
 
 def path_of(scope: Scope) -> str:
@@ -111,7 +112,7 @@ class Entry:
         (key,) = {key.hash: key for key in keys if key is not None}.values()
         logs.bind(key=key.name)
         scope.setdefault("state", {})["key"] = key
-        return self._beyond_role(scope, key) or self._too_often(key)
+        return self._beyond(scope, key)
 
     async def _refuse_key(self, address: str, known: str) -> Response:
         """Return the reply to a wrong key: 401, or 429 after very many of an address.
@@ -131,28 +132,19 @@ class Entry:
             headers={"Retry-After": "60"},
         )  # fmt: skip
 
-    def _beyond_role(self, scope: Scope, key: Key) -> Response | None:
-        """Return the reply 403 if the role of an API key does not allow the request; else None.
+    def _beyond(self, scope: Scope, key: Key) -> Response | None:
+        """Return the reply to a request beyond what an API key allows; None if it may pass.
 
-        `scope` is ASGI's description of the request, `key` the accepted key: `read` may change
-        nothing, and some paths need `admin`.
+        It is 403 if its role does not allow the request: `read` may change nothing, and some paths
+        need `admin`. It is 429 if it sends more requests per second than it may.
         """
         if key.role == "read" and scope["method"] not in SAFE_METHODS:
             detail = "The role of this key is `read`: it may post, change and dismiss nothing."
-        elif key.role != "admin" and path_of(scope) in ADMIN_PATHS:
+            return problem_document(403, "role", NOT_ALLOWED, detail)
+        if key.role != "admin" and path_of(scope) in ADMIN_PATHS:
             detail = f"This needs a key of the role `admin`; the role of this one is `{key.role}`."
-        else:
-            return None
-        return problem_document(403, "role", "The role of the key does not allow it", detail)
-
-    def _too_often(self, key: Key) -> Response | None:
-        """Return the reply 429 if an API key sends more requests per second than it may; else None.
-
-        The request is counted. A key without limit is never refused.
-        """
-        if key.requests is None:
-            return None
-        if self._rates.hit(RateLimitItemPerSecond(key.requests), key.name):
+            return problem_document(403, "role", NOT_ALLOWED, detail)
+        if key.requests is None or self._rates.hit(RateLimitItemPerSecond(key.requests), key.name):
             return None
         detail = f"Your key may send {key.requests:,} requests a second."
         return problem_document(

@@ -13,26 +13,35 @@ from pydantic import BaseModel, Field, RootModel
 from pydantic.json_schema import GenerateJsonSchema, models_json_schema
 from pydantic_core.core_schema import NullableSchema, WithDefaultSchema
 
+from vibrafeed.app.jobs.keys import Keys
 from vibrafeed.app.web.documents import JobList, Results
-from vibrafeed.app.web.execution import AnyStudy
-from vibrafeed.app.web.made_once import made_once
-from vibrafeed.app.web.replies import Document, ProblemDocument, component
+from vibrafeed.app.web.downloads import made_document
+from vibrafeed.app.web.execution import AnyStudy, ExecuteRequest
+from vibrafeed.app.web.guard import is_open
+from vibrafeed.app.web.replies import Document, ProblemDocument, component, problems
 from vibrafeed.app.web.sharing import Sharing
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.study.grid_study import PARAMETERS, Parameters
 
 PATH = "/openapi.json"
+KEYS: list[dict[str, list[str]]] = [{"bearer": []}, {"header": []}]
+SCHEMES = {
+    "bearer": {"type": "http", "scheme": "bearer"},
+    "header": {"type": "apiKey", "in": "header", "name": "X-API-Key"},
+}
+REFUSALS = {
+    str(status): reply
+    for status, reply in problems(
+        s401="No key, or a wrong one, where keys are needed",
+        s403="The role of the key does not allow it",
+        s414="The query is too long",
+        s429="The key sends too many requests",
+    ).items()
+}
+REFUSALS["401"]["headers"] = {"WWW-Authenticate": {"schema": {"type": "string"}}}
 
 Number = float | Annotated[str, Field(max_length=200)]
 """A number in the unit of its parameter, or text with a unit."""
-
-
-class ExecuteRequest(BaseModel):
-    """An execute request of OGC API - Processes, with the study under `inputs.study`."""
-
-    inputs: Document
-    outputs: Document = Document()
-    response: Literal["raw", "document"] = "raw"
 
 
 class Range(BaseModel):
@@ -110,36 +119,45 @@ def operation_id(route: APIRoute) -> str:
     return route.name
 
 
-def install(app: FastAPI) -> None:
-    """Add the schemas of bodies to the OpenAPI document, and serve the document from memory.
+def install(app: FastAPI, keys: Keys) -> None:
+    """Complete the OpenAPI document with bodies, refusals and keys, and serve it with its ETag.
 
-    FastAPI would make the document anew in the event loop for every request.
+    The document says that a key is required if any exist, else that it is optional.
     """
     plain = app.openapi
     routes = app.router.routes
     routes[:] = [route for route in routes if getattr(route, "path", "") != PATH]
 
-    @app.api_route(PATH, methods=["GET", "HEAD"], include_in_schema=False)
-    async def document(request: Request) -> Response:
-        """Return the OpenAPI document, made once per address and need of keys."""
-        root, needs_key = request.scope.get("root_path", ""), request.app.state.keys.are_needed
-
-        def make() -> bytes:
-            """Return the bytes of the OpenAPI document for one address."""
-            servers = {"servers": [{"url": root}]} if root else {}
-            return orjson.dumps(app.openapi() | servers)
-
-        return await made_once(request, (PATH, root, needs_key), make)
-
     def openapi() -> dict[str, Any]:
-        """Return the OpenAPI document with the schemas of bodies."""
+        """Return the OpenAPI document, which FastAPI keeps."""
         is_new = app.openapi_schema is None
         document = plain()
         if is_new:
+            document["components"] |= {"securitySchemes": SCHEMES}
             document["components"]["schemas"].update(_components())
+            for path, operations in document["paths"].items():
+                for operation in operations.values():
+                    if is_open(path):
+                        operation["security"] = []
+                    else:
+                        operation["responses"] = REFUSALS | operation["responses"]
+        # Keys come and go while the service runs.
+        document["security"] = KEYS if keys.are_needed else [{}, *KEYS]
         return document
 
     app.openapi = openapi  # type: ignore[method-assign]
+
+    @app.api_route(PATH, methods=["GET", "HEAD"], include_in_schema=False)
+    async def document(request: Request) -> Response:
+        """Return the OpenAPI document for the address by which the client calls the service."""
+
+        def make() -> bytes:
+            """Return its bytes."""
+            root = request.scope.get("root_path", "")
+            servers = {"servers": [{"url": root}]} if root else {}
+            return orjson.dumps(openapi() | servers)
+
+        return await made_document(request, make)
 
 
 @cache

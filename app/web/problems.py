@@ -44,6 +44,10 @@ class NoSuchJobError(NotFoundError):
     """There is no such job."""
 
 
+class FailedError(VibrafeedError):
+    """A job failed; its argument is the problem document."""
+
+
 class NotReadyError(NotFoundError):
     """The results of a job are not there yet."""
 
@@ -96,6 +100,7 @@ def install(app: FastAPI) -> None:
 
     They are for errors of the service, invalid requests, HTTP errors, and failures of storage.
     """
+    app.add_exception_handler(FailedError, _failed)
     for error in STATUS:
         app.add_exception_handler(error, _known)
     app.add_exception_handler(RequestValidationError, _invalid)
@@ -118,6 +123,11 @@ def _known(request: Request, error: Exception) -> Response:
     if isinstance(error, NotReadyError):
         retry = {"Retry-After": RETRY_AFTER[503]}
     return problem_document(status, kind, title, str(error), headers=retry)
+
+
+def _failed(request: Request, error: Exception) -> Response:
+    """Return the problem document that a failed job has kept."""
+    return problem_document(**error.args[0])
 
 
 def _storage(request: Request, error: Exception) -> Response:
@@ -143,7 +153,7 @@ def _invalid(request: Request, error: Exception) -> Response:
     # The input is not echoed: it may hold values that JSON has no word for.
     assert isinstance(error, RequestValidationError)
     problems = [
-        Problem(".".join(map(str, item["loc"])), item["msg"], "Fix the value")
+        Problem(".".join(map(str, item["loc"]))[:60] or "body", item["msg"], "Fix the value")
         for item in error.errors()
     ]
     return problem_document(

@@ -8,8 +8,6 @@ from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, ConfigDict, StrictBool, ValidationError
 
 from vibrafeed.app.web.replies import component, problems
-from vibrafeed.core.errors import StudyError
-from vibrafeed.core.intake import read_json
 
 
 class Sharing(BaseModel):
@@ -43,11 +41,6 @@ def read_sharing(body: bytes) -> bool:
     Raises `RequestValidationError` with all problems of the body, which is JSON.
     """
     try:
-        return Sharing.model_validate(read_json(body)).shared
-    except StudyError as error:
-        problems = [(p.place, p.message) for p in error.problems]
+        return Sharing.model_validate_json(body).shared
     except ValidationError as error:
-        problems = [
-            ("".join(map(str, one["loc"]))[:60] or "body", one["msg"]) for one in error.errors()
-        ]
-    raise RequestValidationError([{"loc": (place,), "msg": text} for place, text in problems])
+        raise RequestValidationError(error.errors(include_input=False)) from None

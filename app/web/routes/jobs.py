@@ -8,13 +8,13 @@ import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from datetime import datetime
 from typing import Annotated, Literal
-from urllib.parse import urlencode
 
 import orjson
 from fastapi import Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
+from starlette.datastructures import URL
 
 from vibrafeed.app.jobs.admission import Admission, is_readable
 from vibrafeed.app.jobs.keys import NOBODY, Key, Keys
@@ -168,26 +168,22 @@ async def list_jobs(
     seen_by = None if who.sees_all else who.name
     known = [name for name in process if name in PROCESSES]
     wanted = Wanted(tuple(known), tuple(status), parse_interval(created), (least, longest), seen_by)
-    wishes = {
-        "processID": process, "status": status, "type": kind, "datetime": created,
-        "minDuration": least, "maxDuration": longest, "limit": limit, "after": after,
-    }  # fmt: skip
+    here = URL(f"{base}/jobs").replace(query=request.url.query)
 
-    def link(rel: str, **place: str) -> dict[str, str]:
+    def link(rel: str, url: URL) -> dict[str, str]:
         """Return a link to a part of the list."""
-        asked = {name: value for name, value in {**wishes, **place}.items() if value is not None}
-        href = f"{base}/jobs?{urlencode(asked, doseq=True)}"
-        return {"href": href, "rel": rel, "type": "application/json"}
+        return {"href": str(url), "rel": rel, "type": "application/json"}
 
     def read() -> Response:
         """Return the reply; a thread reads the ledger."""
         jobs = []
         if (known or not process) and (not kind or "process" in kind):
             jobs = admission.ledger.jobs(wanted, limit=limit + 1, after=parse_cursor(after))
-        links = [link("self")]
+        links = [link("self", here)]
         if len(jobs) > limit:
             last = jobs[limit - 1]
-            links.append(link("next", after=f"{last.created!r},{last.id}"))
+            further = here.include_query_params(after=f"{last.created!r},{last.id}")
+            links.append(link("next", further))
         shown = [status_info(job, base, waits=admission.waits()) for job in jobs[:limit]]
         return json_reply({"jobs": shown, "links": links})
 

@@ -8,7 +8,8 @@ import sqlite3
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated, cast
+from functools import cache
+from typing import Annotated
 
 import orjson
 from fastapi import Path, Request
@@ -31,9 +32,8 @@ from vibrafeed.app.web.documents import (
     process_list,
     status_info,
 )
-from vibrafeed.app.web.execution import ACCURACY, PROCESSES, AnyStudy
-from vibrafeed.app.web.made_once import MadeOnce
-from vibrafeed.app.web.openapi import ExecuteRequest, StudySchema
+from vibrafeed.app.web.execution import ACCURACY, PROCESSES, AnyStudy, ExecuteRequest
+from vibrafeed.app.web.openapi import StudySchema
 from vibrafeed.app.web.outcomes import results_reply
 from vibrafeed.app.web.prefer import Preferences, preferences
 from vibrafeed.app.web.problems import NoSuchProcessError
@@ -97,20 +97,17 @@ def list_processes(base: BaseOf) -> Response:
     response_model=Document,
     responses=problems(s404="No such process", s422="The identifier is malformed"),
 )
-async def describe_process(
-    request: Request, process: Annotated[str, _NAME], base: BaseOf
-) -> Response:
+def describe_process(process: Annotated[str, _NAME], base: BaseOf) -> Response:
     """Return a process with the schemas of what it takes and gives."""
     if process not in PROCESSES:
         raise _missing(process)
-    study = PROCESSES[process].study
-    made = cast(MadeOnce, request.app.state.made_once)
-    # Kept without its links: they hold the name by which the client has called the service.
-    schema, _ = await made(
-        ("/processes", process),
-        lambda: orjson.dumps(study.model_json_schema(schema_generator=StudySchema)),
-    )
-    return json_reply(description(process, PROCESSES[process], base, schema))
+    return json_reply(description(process, PROCESSES[process], base, _schema_of(process)))
+
+
+@cache
+def _schema_of(process: str) -> bytes:
+    schema = PROCESSES[process].study.model_json_schema(schema_generator=StudySchema)
+    return orjson.dumps(schema)
 
 
 _PREFER = {

@@ -18,10 +18,9 @@ from vibrafeed.app.jobs.manifest import JSON, NETCDF, ZARR
 from vibrafeed.app.web.accept import form_for
 from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Number, SettingsOf
 from vibrafeed.app.web.documents import NETCDF_TYPE, Results, media_type_of
-from vibrafeed.app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified, opened
+from vibrafeed.app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
 from vibrafeed.app.web.outcomes import (
-    check_of,
-    error_for_missing_file,
+    check_file,
     find_job,
     manifest_of,
     results_reply,
@@ -138,8 +137,6 @@ def _stored_table(
     """
     job = find_job(admission, number)
     manifest = manifest_of(admission, job)
-    if isinstance(manifest, Response):
-        return manifest
     if ZARR in manifest.files:
         raise NotFoundError(
             "The result is a Zarr group, not a file: open the address of the group in "
@@ -150,21 +147,17 @@ def _stored_table(
         raise NotFoundError("The result is too large for JSON: download it as NetCDF.")
     digest = manifest.files[name]["sha256"]
     path = admission.store.folder(job.key) / name
-    check = check_of(admission, job, path)
+    check_file(admission, job, path, digest)
     if form in TABLES:
         etag = etag_of(digest, writer_version(form))
         known = not_modified(request, etag, ASK_AGAIN)
         if known is None and request.method == "HEAD":
             known = without_length(TABLES[form], {"ETag": etag, "Cache-Control": ASK_AGAIN})
-        if known is None:
-            with opened(path) as file:
-                check.look(file, digest)
         return known or (path, etag)
     return file_reply(
         request,
         path,
         digest=digest,
-        check=check,
         media_type=FORMS[form],
         filename=f"vibrafeed-{job.key[:12]}{'.nc' if form == 'netcdf' else '.json'}",
     )
@@ -192,8 +185,6 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
     """
     job = find_job(admission, number)
     manifest = None if job.state == "running" else manifest_of(admission, job)
-    if isinstance(manifest, Response):
-        return manifest
     if not _KEY.fullmatch(path):
         raise NotFoundError(
             f"'{path[:80]}' is not a key of a Zarr group. Open the address that ends "
@@ -201,9 +192,9 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
         )
     file = admission.store.in_group(job.key, path)
     digest = None if manifest is None else admission.store.digest(job.key, path, manifest)
-    if not file.is_file():
-        if digest is not None:
-            raise error_for_missing_file(admission, job, file)
+    if digest is not None:
+        check_file(admission, job, file, digest)
+    elif not file.is_file():
         raise NotFoundError(
             f"The Zarr group of this job has no key '{path[:80]}', or its values are "
             "not computed yet. The file zarr.json names the arrays."
@@ -215,7 +206,6 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
         # A chunk appears whole and never changes; the group's document does when it is complete.
         etag=etag_of(job.key, path, file.name),
         digest=digest,
-        check=check_of(admission, job, file),
         media_type="application/json" if is_document else "application/octet-stream",
         filename=path.rpartition("/")[2],
     )
@@ -243,19 +233,17 @@ def get_file(
     """Return a page or a picture of an accuracy report, as named in the results of its job."""
     job = find_job(admission, number)
     manifest = manifest_of(admission, job)
-    if isinstance(manifest, Response):
-        return manifest
     # Only names that the manifest holds reach the disk.
     if name not in manifest.files or name == ZARR:
         raise NotFoundError(
             f"The job has no file '{name[:80]}'. GET /jobs/ID/results lists its files."
         )
-    file = admission.store.folder(job.key) / name
+    file, digest = admission.store.folder(job.key) / name, manifest.files[name]["sha256"]
+    check_file(admission, job, file, digest)
     return file_reply(
         request,
         file,
-        digest=manifest.files[name]["sha256"],
-        check=check_of(admission, job, file),
+        digest=digest,
         media_type=media_type_of(name),
         filename=name,
     )

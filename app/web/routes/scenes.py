@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Annotated
 
 import orjson
@@ -10,7 +11,7 @@ from fastapi.responses import Response
 
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.kept_texts import study_schema_text
-from vibrafeed.app.web.made_once import made_once
+from vibrafeed.app.web.downloads import made_document
 from vibrafeed.app.web.replies import OBJECT, Document, Router, cached_replies, json_reply, problems
 from vibrafeed.core.catalogue import describe, describe_all
 from vibrafeed.core.scenes import SCENES
@@ -56,10 +57,8 @@ async def describe_scene(
     """Return parameters, outputs, units, equations, regimes and validity of a scene."""
     if name not in SCENES:
         raise NotFoundError(f"There is no scene '{name}'. GET /scenes lists them.")
-    return await made_once(
-        request,
-        ("/scenes", name, variant, method),
-        lambda: orjson.dumps(describe(name, variant, method=method)),
+    return await made_document(
+        request, lambda: orjson.dumps(describe(name, variant, method=method))
     )
 
 
@@ -71,9 +70,9 @@ async def describe_scene(
 )
 async def schema(request: Request) -> Response:
     """Return the JSON Schema of a study, as `vibrafeed scenes --schema` prints it."""
+    return await made_document(request, _schema)
 
-    def make() -> bytes:
-        """Return its text without line breaks."""
-        return orjson.dumps(orjson.loads(study_schema_text()))
 
-    return await made_once(request, "/schema", make)
+@cache
+def _schema() -> bytes:
+    return orjson.dumps(orjson.loads(study_schema_text()))  # without line breaks

@@ -12,7 +12,7 @@ from fastapi.responses import Response
 
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.web.dependencies import SweepKey, ViewsOf
-from vibrafeed.app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
+from vibrafeed.app.web.downloads import FOR_EVER, etag_of, not_modified
 from vibrafeed.app.web.replies import BINARY, OBJECT, Router, cached_replies, problems
 from vibrafeed.app.web.shares import slot_of
 from vibrafeed.app.web.zarr_views import ZarrViews
@@ -85,7 +85,7 @@ def _key_reply(request: Request, views: ZarrViews, key: str, path: str) -> Respo
     if known is not None:
         return known
     media_type = "application/json" if path.endswith(".json") else "application/octet-stream"
+    headers = {"ETag": etag, "Cache-Control": FOR_EVER}
     if request.method == "HEAD":
-        headers = {"ETag": etag, "Cache-Control": FOR_EVER, "Content-Length": str(length)}
-        return Response(headers=headers, media_type=media_type)
-    return content_reply(view.read(path), etag=etag, media_type=media_type)
+        return Response(headers={**headers, "Content-Length": str(length)}, media_type=media_type)
+    return Response(view.read(path), headers=headers, media_type=media_type)

@@ -100,16 +100,6 @@ class TestFile:
         problem(get(If_Match='"other"'), 412)
         problem(get(If_Match=f"W/{etag}"), 412)
 
-    def test_a_file_that_goes_before_the_first_header(self, client, address, whole, monkeypatch):
-        def removed(request, path, **about):
-            reply = file_reply(request, path, **about)
-            path.unlink()
-            return reply
-
-        monkeypatch.setattr("vibrafeed.app.web.routes.sweeps.file_reply", removed)
-        document = problem(client.get(f"{address}/netcdf"), 404)
-        assert document["type"] == "urn:vibrafeed:problem:not-found"
-
     @pytest.mark.parametrize("number", [errno.EMFILE, errno.ENFILE])
     def test_too_many_open_files(self, client, address, whole, monkeypatch, number):
         def open_(path, *arguments, **options):

@@ -367,7 +367,7 @@ class TestSimulation:
         assert found[0]["place"] == "outputs"
         for body, place in (
             ({"inputs": {}}, "inputs.study"),
-            ({"inputs": []}, "inputs.study"),
+            ({"inputs": []}, "inputs"),
             ({**SIMULATION, "kind": "sweep"}, "kind"),
             ([1], "study"),
         ):
