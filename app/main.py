@@ -65,7 +65,7 @@ def create_app(settings: Settings) -> FastAPI:
     """
     store = Store(settings.data_directory)
     ledger = Ledger(settings.ledger)
-    keys = Keys(ledger.database, settings.api_key_hashes)
+    keys = Keys(ledger.database)
     process_pool = ProcessPool(settings.workers, (calculations.__name__, work.__name__))
     workers = Cluster(settings.scheduler) if settings.scheduler else process_pool
     runner = Runner(ledger, store, workers, settings)
