@@ -201,7 +201,7 @@ class Runner:
         be tried again; an item that no job waits for any more, or whose lease is lost, is given up.
         """
         about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
-        carrying = asyncio.create_task(self._carry_out(item))
+        carrying = asyncio.create_task(self._dispatcher.carry_out(item))
         try:
             self.work_progress.began(item)
             await self._hold(item, carrying)
@@ -231,10 +231,6 @@ class Runner:
             self.work_progress.ended(item, "interrupted")  # if it has not ended before
             self._active.pop(item.owner, None)
             self._wake.set()
-
-    async def _carry_out(self, item: Work) -> None:
-        """Carry out an item of work on the cluster, with the expected time of its blocks."""
-        await self._dispatcher.carry_out(item, item.price / max(1, item.blocks))
 
     async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
         """Renew the lease of an item of work until the task that computes it ends.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -19,8 +19,8 @@ class Witness(Protocol):
     def began(self, item: Work) -> Mapping[str, str]:
         """Notice that an item of work was begun; return fields to add to its log lines."""
 
-    def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Notice that blocks of an item are done; `seconds` are their computing times [s]."""
+    def computed(self, item: Work, seconds: float) -> None:
+        """Notice that a block of an item is done; `seconds` is its computing time [s]."""
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
         """Notice that an item ended here, with its outcome and the time it was under way [s]."""
@@ -62,13 +62,13 @@ class WorkProgress:
         self._courses[item.owner] = _Started(time.monotonic(), about)
         logger.info("work started", extra=about)
 
-    def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Report finished blocks of an item of work to all observers, such as metrics.
+    def computed(self, item: Work, seconds: float) -> None:
+        """Report a finished block of an item of work to all observers, such as metrics.
 
-        `seconds` are the computing times of these blocks [s].
+        `seconds` is the computing time of the block [s].
         """
         if item.owner in self._courses:
-            self._courses[item.owner].computed += len(seconds)
+            self._courses[item.owner].computed += 1
         for witness in self.witnesses:
             witness.computed(item, seconds)
 

@@ -27,7 +27,6 @@ from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.zarr_views import ZarrViews
 from vibrafeed.core.dataset.netcdf import write_netcdf
-from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
 from vibrafeed.core.plan.pieces import Computed, Cut
@@ -469,17 +468,3 @@ class TestDesk:
         folder.mkdir(parents=True)
         admission().tidy()
         assert folder.exists()
-
-
-def test_a_block_whose_claim_is_given_up_is_not_kept(store):
-    prepared = prepare_content(SIMULATION)
-    key, _ = store.add(prepared.study)
-    directory = str(store.directory.parent)
-    store.give_up(key, "one")
-    assert not store.is_abandoned(key, "another")
-    with pytest.raises(StoppedError):
-        work.compute_block(directory, key, "simulate", 10, 0, "one")
-    assert not store.has_block(key, 10, 0)
-    work.compute_block(directory, key, "simulate", 10, 0, "another")
-    assert store.has_block(key, 10, 0)
-    store.give_up("0" * 64, "one")  # a study that is gone

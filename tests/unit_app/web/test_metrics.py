@@ -184,7 +184,8 @@ def test_blocks_and_work_are_timed(client):
     work_progress = WorkProgress()
     work_progress.witnesses.append(client.app.state.metrics)
     work_progress.began(item)
-    work_progress.computed(item, [0.25, 2.0])
+    work_progress.computed(item, 0.25)
+    work_progress.computed(item, 2.0)
     work_progress.ended(item, "done")
     work_progress.ended(item, "interrupted")  # it has ended before
     found = figures(client)
