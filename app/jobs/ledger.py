@@ -13,7 +13,7 @@ import json
 import sqlite3
 import time
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -334,11 +334,6 @@ class Ledger:
         """Return a job; None if there is no such job."""
         rows = self._read(JOB.where(JOBS.c.id == number))
         return job_of(rows[0]) if rows else None
-
-    def by_number(self, numbers: Sequence[str]) -> dict[str, Job]:
-        """Return those of some jobs that exist, by their identifiers."""
-        rows = self._read(JOB.where(JOBS.c.id.in_(numbers)))
-        return {row.id: job_of(row) for row in rows}
 
     def jobs(
         self, wanted: Wanted | None = None, *, limit: int, after: tuple[float, str] | None = None

@@ -26,6 +26,7 @@ from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.zarr_views import ZarrViews
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
@@ -62,7 +63,7 @@ def carried_out(store, content, *, cells=10):
     key, _ = store.add(prepared.study)
     directory = str(store.directory.parent)
     for index in reversed(range(len(Cut(prepared, cells)))):
-        work.compute_block(directory, key, content["kind"], cells, index)
+        work.compute_block(directory, key, content["kind"], cells, index, code_version())
     work.write_result(directory, key, content["kind"], cells, 1.0)
     return key
 
@@ -278,14 +279,14 @@ def test_a_block_is_written_though_the_folder_goes_at_that_moment(store, monkeyp
 def test_a_study_under_way_at_an_upgrade_is_computed_by_the_new_code_alone(store, monkeypatch):
     key, _ = store.add(prepare_content(SWEEP).study)
     about = str(store.directory.parent), key, "sweep"
-    work.compute_block(*about, 10, 0)
+    work.compute_block(*about, 10, 0, code_version())
     old = store.read_block(key, 10, 0)
     monkeypatch.setattr("vibrafeed.core.__version__", "99.0")
     assert not store.has_block(key, 10, 0)
     with pytest.raises(TornBlockError):
         work.write_result(*about, 10, 0.0)
     for index in work.missing_blocks(*about, 10, len(Cut(store.get(key), 10))):
-        work.compute_block(*about, 10, index)
+        work.compute_block(*about, 10, index, code_version())
     work.write_result(*about, 10, 0.0)
     assert store.manifest(key).version.startswith("99.0+")
     assert old.arrays
@@ -294,14 +295,14 @@ def test_a_study_under_way_at_an_upgrade_is_computed_by_the_new_code_alone(store
 def test_a_worker_with_other_code_than_the_server_computes_nothing(store):
     key, _ = store.add(prepare_content(SWEEP).study)
     with pytest.raises(OtherVersionError, match=r"The server runs vibrafeed 99\.0"):
-        work.compute_blocks(str(store.directory.parent), key, "sweep", 10, [0], version="99.0")
+        work.compute_block(str(store.directory.parent), key, "sweep", 10, 0, "99.0")
 
 
 def test_a_study_that_this_version_cannot_read_is_told_so(store):
     key, _ = store.add(prepare_content(SWEEP).study)
     (store.directory / key / "study.json").write_text('{"kind": "sweep", "scene": "gone"}')
     with pytest.raises(OtherVersionError, match="cannot read this study"):
-        work.compute_block(str(store.directory.parent), key, "sweep", 10, 0)
+        work.compute_block(str(store.directory.parent), key, "sweep", 10, 0, code_version())
 
 
 def test_a_sweep_of_another_version_is_told_so(store, monkeypatch):
