@@ -274,6 +274,8 @@ class Admission:
             job = self.ledger.dismiss(number)
             if was_there:
                 self._note(who, "dismiss", number)
+                if job is not None and job.key not in self.ledger.promised():
+                    self._quota.weigh(job.key)
         self._wake()
         return job
 
@@ -354,9 +356,10 @@ class Admission:
             with self.ledger.transaction():
                 if not self.store.used(key):  # removed by hand, or by a server that was killed
                     self.ownership.let_go(key)
+        self._quota.measure()
 
     def used_bytes(self) -> int:
-        """Return the bytes that all studies take on disk, counted at most a minute ago."""
+        """Return the bytes that all studies take on disk; of those in work, the most."""
         return self._quota.used()
 
 

@@ -211,11 +211,11 @@ class Runner:
             problem = await self._problem_of(carrying)
             if problem is not None and await self._dispatcher.is_there(item):
                 problem = None  # another server, which took this one for dead, has finished it
+            size = await asyncio.to_thread(self._store.bytes, item.key)
+            await asyncio.to_thread(self._ledger.end, item, problem, size)
             if problem is None:
-                await asyncio.to_thread(self._ledger.succeed, item)
                 self.work_progress.ended(item, "done")
             else:
-                await asyncio.to_thread(self._ledger.fail, item, problem)
                 self.work_progress.ended(item, "failed", problem["title"])
         except LostError as lost:
             logger.warning("work is tried again: %s", lost, extra=about)

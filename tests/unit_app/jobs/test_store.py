@@ -400,13 +400,14 @@ class TestDesk:
         free = [int(1.5 * needed)]
         monkeypatch.setattr("shutil.disk_usage", lambda _: usage(0, 0, free[0]))
         service = admission()
-        key = service.post(task(SIMULATION, "simulate")).key
+        service.post(task(SIMULATION, "simulate"))
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
         with pytest.raises(NoRoomError, match="more than the disk of the service has free"):
             service.post(task(other, "simulate"))
         # What has been written of a promise is owed no more.
-        (store.folder(key) / "blocks").write_bytes(bytes(needed))
-        monkeypatch.setattr("vibrafeed.app.jobs.quota.RIGHT_FOR", 0.0)
+        item = service.ledger.claim("server", 60.0)
+        assert item is not None
+        service.ledger.advance(item, done=item.blocks, seconds=1.0)
         assert service.post(task(other, "simulate")).state == "accepted"
 
     def test_what_is_promised_to_work_is_not_promised_again(self, admission, store):
