@@ -172,9 +172,7 @@ class Dispatcher:
         while True:
             if await self.is_there(item):
                 return
-            missing = await asyncio.to_thread(
-                work.missing_blocks, self._directory, *about, item.blocks
-            )
+            missing = await self._on_worker(progress, work.missing_blocks, *about, item.blocks)
             spent += await self._compute(progress, missing)
             try:
                 await self._on_worker(progress, work.write_result, *about, spent)

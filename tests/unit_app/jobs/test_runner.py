@@ -106,7 +106,7 @@ def test_work_is_carried_out(tmp_path):
     workers = Workers()
     job = carried_out(tmp_path, workers)
     assert (job.state, job.done) == ("successful", job.blocks)
-    assert workers.calls == ["compute_block"] * job.blocks + ["write_result"]
+    assert workers.calls == ["missing_blocks", *["compute_block"] * job.blocks, "write_result"]
     assert Store(tmp_path).manifest(job.key) is not None
 
 
@@ -168,7 +168,7 @@ def test_a_block_that_takes_its_workers_down_fails_its_job(tmp_path):
     workers = Workers(compute_block=dies)
     job = carried_out(tmp_path, workers)
     assert (job.problem["status"], job.problem["title"]) == (500, "The study crashes its workers")
-    assert workers.calls == MAX_DEATHS * ["compute_block"]
+    assert workers.calls == ["missing_blocks", *MAX_DEATHS * ["compute_block"]]
 
 
 def test_a_worker_without_the_shared_files_is_told(tmp_path):
