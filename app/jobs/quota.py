@@ -226,8 +226,8 @@ class Quota:
         promised = sum(row.bytes for row in in_work) + needed
         in_quota = int(taken) + promised - self._settings.disk_quota_bytes
         # What has been written of a promise is owed no more.
-        owed = needed + sum(row.bytes * (row.blocks - row.done) // row.blocks for row in in_work)
+        owed = needed + sum(row.bytes * (1 - row.done / max(1, row.blocks)) for row in in_work)
         with contextlib.suppress(FileNotFoundError):
             disk = shutil.disk_usage(self._settings.data_directory)
-            return in_quota, owed + int(min(SPARE * disk.total, MAX_SPARE)) - disk.free
+            return in_quota, int(owed + min(SPARE * disk.total, MAX_SPARE)) - disk.free
         return in_quota, 0

@@ -10,8 +10,12 @@ import pytest
 from sqlalchemy.exc import ProgrammingError
 
 from postgres import PASSWORD
-from vibrafeed.app.jobs.errors import LostLedgerError, QueueFullError
+from vibrafeed.app.jobs.errors import LostLedgerError, NoRoomError, QueueFullError
+from vibrafeed.app.jobs.keys import Key
 from vibrafeed.app.jobs.ledger import ACTIVE, Ledger, Wanted
+from vibrafeed.app.jobs.quota import Quota
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.settings import Settings
 from waiting import PATIENCE
 
 LEASE = 60.0
@@ -40,6 +44,27 @@ def post(ledger, key="k", *, seconds=None, owner=""):
         finished_seconds=seconds,
         owner=owner,
     )
+
+
+def test_servers_count_the_bytes_of_an_owner_alike(ledgers, tmp_path):
+    """What is promised, then what the files of a result take."""
+    settings = Settings(data_directory=tmp_path)
+    here, there = (Quota(ledger, Store(tmp_path), settings) for ledger in ledgers)
+    who = Key("lab", "run", bytes=2500)
+    for server in (here, there):
+        server.look("k", 1000, who)  # nothing is there
+    for key in ("k", "l"):
+        here.make(key, 1000, who)
+        post(ledgers[0], key, owner="lab")
+        here.ownership.hold("lab", key, 10, result=True)
+    assert there.used() == 2000
+    with pytest.raises(NoRoomError, match="your key may store"):
+        there.make("m", 1000, who)
+    ledgers[1].end(ledgers[1].claim("b", LEASE, "k"), None, 300)
+    assert here.used() == 1300
+    there.make("m", 1000, who)
+    there.ownership.hold("lab", "m", 10, result=True)
+    assert here.ownership.of("lab", "k") is not None  # it has made no room
 
 
 def test_a_job_goes_its_way(ledgers):
