@@ -18,7 +18,6 @@ from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.ledger import Ledger, Work
 from vibrafeed.app.jobs.process_pool import EndedError, ProcessPool
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.jobs.work_progress import WorkProgress
 from vibrafeed.app.settings import Settings
 from vibrafeed.core.code_version import code_version
 from vibrafeed.core.errors import VibrafeedError
@@ -90,6 +89,8 @@ class _Progress:
     ----------
     item : Work
         The item.
+    computed : callable
+        Called with the computing time of each block [s].
     running : RunningTime
         Its running time, against its limit.
     done : int
@@ -101,6 +102,7 @@ class _Progress:
     """
 
     item: Work
+    computed: Callable[[float], None]
     running: RunningTime
     done: int = 0
     began: float | None = None
@@ -116,11 +118,6 @@ class Dispatcher:
         Where progress is noted, where files are, and where the work runs.
     settings : Settings
         The service's.
-
-    Attributes
-    ----------
-    work_progress : WorkProgress
-        Receives reports of finished blocks.
     """
 
     def __init__(
@@ -130,18 +127,18 @@ class Dispatcher:
         self._ledger, self._store, self._workers = ledger, store, workers
         self._settings = settings
         self._directory = str(settings.data_directory.resolve())
-        self.work_progress = WorkProgress()
 
-    async def carry_out(self, item: Work) -> None:
+    async def carry_out(self, item: Work, computed: Callable[[float], None]) -> None:
         """Compute missing blocks of an item of work and write its result, within the time limit.
 
-        The item is a study that jobs wait for. Raises `TooLongError` beyond the time limit of a
+        The item is a study that jobs wait for; `computed` is called with the seconds of each
+        block. Raises `TooLongError` beyond the time limit of a
         job; finished blocks are kept.
         """
         most = self._settings.max_job_seconds
         try:
             async with asyncio.timeout(None) as limit:
-                await self._compute_and_write(_Progress(item, RunningTime(most, limit)))
+                await self._compute_and_write(_Progress(item, computed, RunningTime(most, limit)))
         except TimeoutError as error:
             if not limit.expired():
                 raise
@@ -202,7 +199,7 @@ class Dispatcher:
                     progress, work.compute_block, item.key, item.process, item.block_cells, index,
                     code_version(),
                 )  # fmt: skip
-                self.work_progress.computed(item, seconds)
+                progress.computed(seconds)
                 progress.done += 1
                 total += seconds
                 await self._note(progress, seconds)

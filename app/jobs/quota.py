@@ -209,7 +209,7 @@ class Quota:
         return sum(held.bytes for held in self._held(key, who)) + needed - who.bytes
 
     def _held(self, key: str, who: Key) -> list[Row[*tuple[Any, ...]]]:
-        """Return what an owner is charged for the studies other than one, longest unused first."""
+        """Return the charges of an owner for all studies but one, least recently used first."""
         others = _HELD.where(OWNED_STUDIES.c.owner == who.name, OWNED_STUDIES.c.key != key)
         return self._ledger.database.read(others)
 
