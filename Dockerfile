@@ -45,5 +45,5 @@ HEALTHCHECK --interval=30s --timeout=5s --start-period=60s \
     CMD ["bash", "-c", "exec 3<>/dev/tcp/127.0.0.1/8000 && printf 'GET /healthz HTTP/1.1\\r\\nHost: localhost\\r\\nConnection: close\\r\\n\\r\\n' >&3 && read -r _ status _ <&3 && [ \"$status\" = 200 ]"]
 ENTRYPOINT ["tini", "--"]
 # One process: it owns the NetCDF writer. It listens to other machines, so it starts only where there
-# are keys: `vibrafeed key add` on its volume, or VIBRAFEED_API_KEY_HASHES; see docs/operations.md.
+# are keys: `vibrafeed key add` on its volume; see docs/operations.md.
 CMD ["vibrafeed", "serve", "--host", "0.0.0.0", "--port", "8000"]

@@ -64,7 +64,7 @@ def create_app(settings: Settings) -> FastAPI:
     """
     store = Store(settings.data_directory)
     ledger = Ledger(settings.ledger)
-    keys = Keys(ledger.database, settings.api_key_hashes)
+    keys = Keys(ledger.database)
     process_pool = ProcessPool(settings.workers, (calculations.__name__, work.__name__))
     workers = Cluster(settings.scheduler) if settings.scheduler else process_pool
     runner = Runner(ledger, store, workers, settings)
@@ -128,10 +128,10 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.readiness = [("jobs", runner.fault), ("ledger", ledger.fault)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
     watch_jobs(app.state.metrics, admission, workers.alive, settings)
-    runner.work_progress.witnesses.append(app.state.metrics)
+    runner.witnesses.append(app.state.metrics)
     spans = traces.configured()
     if spans is not None:
-        runner.work_progress.witnesses.append(spans)
+        runner.witnesses.append(spans)
         admission.posted = spans.posted
     problems.install(app)
     studies = (scenes, figures, friction, convert, sweeps)

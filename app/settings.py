@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated
 from urllib.parse import urlsplit
 
-from pydantic import BeforeValidator, Field, SecretStr, field_serializer, field_validator
+from pydantic import BeforeValidator, Field, SecretStr, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from vibrafeed.app.folders import data_folder
@@ -35,10 +35,11 @@ TEST_SWITCHES = (
 FORMER = {
     "VIBRAFEED_ZARR_CACHE_BYTES": "Leave it out: Zarr chunks are computed when they are read",
     "VIBRAFEED_RESULTS_URL": "Leave it out: results are kept in VIBRAFEED_DATA_DIRECTORY alone",
+    "VIBRAFEED_MAX_UNSENT_BYTES": "Leave it out: a proxy holds slow readers",
+    "VIBRAFEED_API_KEY_HASHES": "Leave it out, and make keys by `vibrafeed key add`",
 }
 """Settings of former versions, and the setting that does the same."""
 
-_DIGEST = re.compile(r"[0-9a-fA-F]{64}")
 _ORIGIN = re.compile(r"https?://([a-z0-9.-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
 
 
@@ -230,14 +231,6 @@ class Settings(BaseSettings):
         description="Maximum number of rows of a result sent as an XLSX table, which is "
         "slow to write.",
     )
-    api_key_hashes: Words = Field(
-        default=(),
-        description="SHA-256 hashes of accepted access keys, in hexadecimal, as a JSON list "
-        "or comma-separated; `vibrafeed key hash` makes a key and its hash. These "
-        "keys have the role admin; `vibrafeed key add` makes other keys while the "
-        "service runs. To listen on addresses other than loopback, the service "
-        "needs at least one key.",
-    )
     cors_origins: Words = Field(
         default=(),
         description="Origins of other web pages whose scripts may use the service, as in "
@@ -279,23 +272,6 @@ class Settings(BaseSettings):
         """The location of the ledger: a file path, or the URL of a database."""
         url = self.ledger_url
         return url.get_secret_value() if url else self.data_directory / "jobs.sqlite3"
-
-    @field_validator("api_key_hashes")
-    @classmethod
-    def _digests(cls, hashes: tuple[str, ...]) -> tuple[str, ...]:
-        """Check that each hash is a SHA-256 in hexadecimal digits.
-
-        Return the hashes in small letters. Raises `ValueError` with the number of the first wrong
-        one.
-        """
-        # A wrong one may be a key: its number says which, and it is not echoed.
-        for number, word in enumerate(hashes, 1):
-            if not _DIGEST.fullmatch(word):
-                raise ValueError(
-                    f"hash {number} of {len(hashes)} is not a SHA-256 in 64 hexadecimal "
-                    "digits; `vibrafeed key hash` makes one"
-                )
-        return tuple(word.lower() for word in hashes)
 
     @field_validator("ledger_url")
     @classmethod
@@ -339,11 +315,6 @@ class Settings(BaseSettings):
                     "https://lab.example"
                 )
         return origins
-
-    @field_serializer("api_key_hashes")
-    def _masked(self, hashes: tuple[str, ...]) -> list[str]:
-        """Return the hashes of keys cut to eight digits, for printing."""
-        return [f"{word[:8]}..." for word in hashes]
 
 
 def unknown_variables(names: Iterable[str]) -> list[Problem]:

@@ -161,7 +161,7 @@ def _check_keys(settings: Settings, host: str, new_ledger: bool) -> None:
     from vibrafeed.app.jobs.ledger import Ledger
     from vibrafeed.app.web.guard import is_loopback  # with all that serves
 
-    if settings.api_key_hashes or is_loopback(host):
+    if is_loopback(host):
         return
     where = settings.ledger
     if isinstance(where, str) or where.exists():
@@ -177,7 +177,7 @@ def _check_keys(settings: Settings, host: str, new_ledger: bool) -> None:
             ledger.close()
         if keys.are_needed:
             return
-    fix = "Make a key with `vibrafeed key add NAME`, or set VIBRAFEED_API_KEY_HASHES"
+    fix = "Make a key with `vibrafeed key add NAME`"
     message = "other machines can reach this address, and no keys exist"
     refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
 

@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 from vibrafeed.app.jobs import audit, work
 from vibrafeed.app.jobs.errors import NotFoundError, NotOwnerError, TooManyJobsError
-from vibrafeed.app.jobs.job_looks import JobLooks
 from vibrafeed.app.jobs.keys import NOBODY, Key
 from vibrafeed.app.jobs.ledger import Job, Ledger
 from vibrafeed.app.jobs.quota import Quota
@@ -53,7 +52,6 @@ class Admission:
         self._quota = Quota(ledger, store, settings)
         self.posted: Callable[[str], object] = lambda key: None  # told before others may claim it
         self.ownership = self._quota.ownership
-        self.looks = JobLooks(ledger)
 
     def post(self, task: Task, who: Key = NOBODY) -> Job:
         """Enter a job for a study into the ledger; the job is stored on disk on return.
@@ -211,7 +209,9 @@ class Admission:
         `number` is the job's identifier; `who` is the key: it reads its own jobs and shared ones.
         """
         job = self.ledger.job(number)
-        return job if job is not None and is_readable(job, who) else None
+        if job is not None and (who.sees_all or job.shared or job.owner == who.name):
+            return job
+        return None
 
     def may_read(self, key: str, who: Key) -> bool:
         """True if an API key may read a study: its own, or one that is shared with all keys."""
@@ -274,6 +274,8 @@ class Admission:
             job = self.ledger.dismiss(number)
             if was_there:
                 self._note(who, "dismiss", number)
+                if job is not None and job.key not in self.ledger.promised():
+                    self._quota.weigh(job.key)
         self._wake()
         return job
 
@@ -354,15 +356,11 @@ class Admission:
             with self.ledger.transaction():
                 if not self.store.used(key):  # removed by hand, or by a server that was killed
                     self.ownership.let_go(key)
+        self._quota.measure()
 
     def used_bytes(self) -> int:
-        """Return the bytes that all studies take on disk, counted at most a minute ago."""
+        """Return the bytes that all studies take on disk; of those in work, the most."""
         return self._quota.used()
-
-
-def is_readable(job: Job, who: Key) -> bool:
-    """True if a key may read a job."""
-    return who.sees_all or job.shared or job.owner == who.name
 
 
 def _check_owner(job: Job, who: Key) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import io
 import json
@@ -102,25 +101,6 @@ class Blocks(Studies):
                 f"block {index} of study {key} was damaged on the disk; it is computed again"
             )
         return computed
-
-    def give_up(self, key: str, claim: str) -> None:
-        """Mark a claim on a study as abandoned, so that workers stop computing its blocks.
-
-        `key` is the study's identifier. `claim` is the text that names one lease of the work, so
-        that a later claim on the same study is not stopped.
-        """
-        with contextlib.suppress(OSError):  # the study may be gone, and its blocks with it
-            self._abandoned_mark(key, claim).parent.mkdir(exist_ok=True)
-            self._abandoned_mark(key, claim).touch()
-
-    def is_abandoned(self, key: str, claim: str) -> bool:
-        """True if a claim on a study is marked as abandoned."""
-        return self._abandoned_mark(key, claim).exists()
-
-    def _abandoned_mark(self, key: str, claim: str) -> Path:
-        """Return the path of the empty file that marks a claim on a study as abandoned."""
-        name = hashlib.sha256(claim.encode()).hexdigest()[:32]
-        return self.folder(key) / "blocks" / f"{name}.given-up"
 
     def _block(self, key: str, cells: int, index: int) -> Path:
         """Return the path of a block's file: of a study, cells per block, and number from 0."""

@@ -6,9 +6,9 @@ import asyncio
 import contextlib
 import logging
 import time
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from vibrafeed.app.jobs import work
@@ -18,18 +18,15 @@ from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.ledger import Ledger, Work
 from vibrafeed.app.jobs.process_pool import EndedError, ProcessPool
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.jobs.work_progress import WorkProgress
 from vibrafeed.app.settings import Settings
 from vibrafeed.core.code_version import code_version
 from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.kinds import KINDS
 
 logger = logging.getLogger("vibrafeed.jobs")
 _T = TypeVar("_T")
 
 MAX_TORN = 3  # times that one block is found damaged
 MAX_DEATHS = 3  # workers that die of one call
-MORE = 4  # ratio of the numbers of blocks of a call and of the one that ended before
 
 
 class TooLongError(VibrafeedError):
@@ -92,27 +89,24 @@ class _Progress:
     ----------
     item : Work
         The item.
-    seconds : float
-        Expected time of one of its blocks [s]: of the call that ended last, once one has.
-    blocks : int
-        Number of its blocks in one call of a worker.
+    computed : callable
+        Called with the computing time of each block [s].
     running : RunningTime
         Its running time, against its limit.
     done : int
         Number of its stored blocks.
-    began : float
+    began : float or None
         The `time.monotonic` at which the first block began [s].
-    first_note : asyncio.Task or None
-        Writes the first note into the ledger, which all others wait for.
+    noting : asyncio.Lock
+        Held while the progress is written into the ledger: one note after another.
     """
 
     item: Work
-    seconds: float
+    computed: Callable[[float], None]
     running: RunningTime
-    blocks: int = 1
     done: int = 0
-    began: float = 0.0
-    first_note: asyncio.Task[None] | None = None
+    began: float | None = None
+    noting: asyncio.Lock = field(default_factory=asyncio.Lock)
 
 
 class Dispatcher:
@@ -124,11 +118,6 @@ class Dispatcher:
         Where progress is noted, where files are, and where the work runs.
     settings : Settings
         The service's.
-
-    Attributes
-    ----------
-    work_progress : WorkProgress
-        Receives reports of finished blocks.
     """
 
     def __init__(
@@ -138,19 +127,18 @@ class Dispatcher:
         self._ledger, self._store, self._workers = ledger, store, workers
         self._settings = settings
         self._directory = str(settings.data_directory.resolve())
-        self.work_progress = WorkProgress()
 
-    async def carry_out(self, item: Work, seconds: float) -> None:
+    async def carry_out(self, item: Work, computed: Callable[[float], None]) -> None:
         """Compute missing blocks of an item of work and write its result, within the time limit.
 
-        The item is a study that jobs wait for. `seconds` is the expected time of one of its blocks
-        [s]. Raises `TooLongError` beyond the time limit of a job; finished blocks are kept. If it
-        is cut off, workers are told to stop its blocks.
+        The item is a study that jobs wait for; `computed` is called with the seconds of each
+        block. Raises `TooLongError` beyond the time limit of a
+        job; finished blocks are kept.
         """
         most = self._settings.max_job_seconds
         try:
             async with asyncio.timeout(None) as limit:
-                await self._compute_and_write(_Progress(item, seconds, RunningTime(most, limit)))
+                await self._compute_and_write(_Progress(item, computed, RunningTime(most, limit)))
         except TimeoutError as error:
             if not limit.expired():
                 raise
@@ -181,12 +169,10 @@ class Dispatcher:
         while True:
             if await self.is_there(item):
                 return
-            missing = await asyncio.to_thread(
-                work.missing_blocks, self._directory, *about, item.blocks
-            )
+            missing = await self._on_worker(progress, work.missing_blocks, *about, item.blocks)
             spent += await self._compute(progress, missing)
             try:
-                await self._on_worker(progress, 1, work.write_result, *about, spent)
+                await self._on_worker(progress, work.write_result, *about, spent)
             except TornBlockError as error:
                 torn[str(error)] += 1
                 if torn[str(error)] == MAX_TORN:
@@ -199,62 +185,38 @@ class Dispatcher:
         """Compute blocks of an item, two calls per worker at a time; return seconds.
 
         `missing` are the numbers of the blocks. The seconds [s] are summed over all workers;
-        `progress`, the ledger and observers are updated after each call. If one fails or this is
+        `progress`, the ledger and observers are updated after each block. If one fails or this is
         cancelled, the others are cancelled.
         """
-        item, total = progress.item, 0.0
+        item = progress.item
         progress.done = max(0, item.blocks - len(missing))
-        waiting = deque(missing)
-        running: dict[asyncio.Task[list[float]], list[int]] = {}
-        finished: set[asyncio.Task[list[float]]] = set()
+        waiting = iter(missing)
+
+        async def take() -> float:
+            total = 0.0
+            for index in waiting:
+                seconds = await self._on_worker(
+                    progress, work.compute_block, item.key, item.process, item.block_cells, index,
+                    code_version(),
+                )  # fmt: skip
+                progress.computed(seconds)
+                progress.done += 1
+                total += seconds
+                await self._note(progress, seconds)
+            return total
+
+        await self._workers.prepare()
+        # Half of them wait for their turn; no worker is to wait for them.
+        calls = [asyncio.create_task(take()) for _ in range(2 * self._workers.fair_queue.slots)]
         try:
-            while True:
-                # Most of them wait for their turn; no worker is to wait for them.
-                calls = 2 * self._workers.fair_queue.slots
-                while waiting and len(running) < calls:
-                    count = min(progress.blocks, max(1, len(waiting) // calls))
-                    indices = [waiting.popleft() for _ in range(count)]
-                    call = self._on_worker(
-                        progress, count, work.compute_blocks, item.key, item.process,
-                        item.block_cells, indices, item.owner, self._settings.block_seconds,
-                        code_version(),
-                    )  # fmt: skip
-                    running[asyncio.create_task(call)] = indices
-                if not running:
-                    return total
-                finished, _ = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
-                seconds: list[float] = []
-                for task in finished:
-                    indices, took = running.pop(task), task.result()
-                    waiting.extendleft(reversed(indices[len(took) :]))
-                    self._plan_calls(progress, took)
-                    seconds += took
-                self.work_progress.computed(item, seconds)
-                progress.done += len(seconds)
-                total += sum(seconds)
-                await self._note(progress, sum(seconds))
+            return sum(await asyncio.gather(*calls))
         finally:
-            if running:  # else they would go on to the end
-                self._store.give_up(item.key, item.owner)
-            for task in running:
-                task.cancel()
-            await asyncio.gather(*running, *finished, return_exceptions=True)
-
-    def _plan_calls(self, progress: _Progress, took: list[float]) -> None:
-        """Let the next calls of an item have as many blocks as a worker computes in a block's time.
-
-        A call takes some 10 ms of this server and of a worker besides, and blocks that turn out
-        shorter than they were priced would take less than that each. `took` are the times of the
-        blocks of a call that has ended [s].
-        """
-        if progress.item.process not in KINDS:  # those of an accuracy report differ
-            return
-        progress.seconds = sum(took) / len(took)
-        fitting = int(self._settings.block_seconds / max(progress.seconds, 1e-6))
-        progress.blocks = max(1, min(fitting, MORE * len(took)))
+            for call in calls:
+                call.cancel()
+            await asyncio.gather(*calls, return_exceptions=True)
 
     async def _on_worker(
-        self, progress: _Progress, blocks: int, function: Callable[..., _T], *arguments: Any
+        self, progress: _Progress, function: Callable[..., _T], *arguments: Any
     ) -> _T:
         """Run a function on a worker when its turn comes, and return its result.
 
@@ -264,9 +226,7 @@ class Dispatcher:
         Parameters
         ----------
         progress : _Progress
-            The item of work (a study), its running time, and the expected time of one block [s].
-        blocks : int
-            Number of blocks in whose expected time the call ends.
+            The item of work (a study), and its running time.
         function : callable
             A function of `vibrafeed.app.jobs.work`, which is called with the data directory and
             `arguments`.
@@ -284,14 +244,14 @@ class Dispatcher:
             if not has_begun:  # it begins again on another worker, if the first dies
                 progress.running.begin()
             has_begun = True
-            if progress.first_note is None:
+            if progress.began is None:
                 progress.began = time.monotonic()
-                progress.first_note = asyncio.create_task(self._note(progress, 0.0))
-            await asyncio.shield(progress.first_note)  # before any other note
+                await self._note(progress, 0.0)
 
         await self._workers.prepare()
-        owner, seconds = owner_of(progress.item), blocks * progress.seconds
-        async with self._workers.fair_queue.slot(owner, seconds):
+        item = progress.item
+        seconds = item.price / max(1, item.blocks)
+        async with self._workers.fair_queue.slot(owner_of(item), seconds):
             try:
                 for _ in range(MAX_DEATHS):
                     with contextlib.suppress(EndedError):  # perhaps of something else
@@ -313,7 +273,9 @@ class Dispatcher:
         `seconds` is the computing time since the last note [s], summed over workers. `progress` has
         the item, the number, and when the first block began.
         """
-        await asyncio.to_thread(
-            self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
-            elapsed=time.monotonic() - progress.began,
-        )  # fmt: skip
+        assert progress.began is not None
+        async with progress.noting:
+            await asyncio.to_thread(
+                self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
+                elapsed=time.monotonic() - progress.began,
+            )  # fmt: skip

@@ -13,7 +13,7 @@ import json
 import sqlite3
 import time
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +25,7 @@ from sqlalchemy.sql.expression import Insert, Select
 from vibrafeed.app.jobs.database import Database
 from vibrafeed.app.jobs.disk import DAMAGED, why
 from vibrafeed.app.jobs.errors import QueueFullError
-from vibrafeed.app.jobs.tables import AUDIT, JOBS, KEYS, OWNED_STUDIES, VERSION, WORK
+from vibrafeed.app.jobs.tables import AUDIT, JOBS, KEYS, OWNED_STUDIES, SIZES, VERSION, WORK
 
 ACTIVE = ("accepted", "running")
 STATES = (*ACTIVE, "successful", "failed", "dismissed")
@@ -335,11 +335,6 @@ class Ledger:
         rows = self._read(JOB.where(JOBS.c.id == number))
         return job_of(rows[0]) if rows else None
 
-    def by_number(self, numbers: Sequence[str]) -> dict[str, Job]:
-        """Return those of some jobs that exist, by their identifiers."""
-        rows = self._read(JOB.where(JOBS.c.id.in_(numbers)))
-        return {row.id: job_of(row) for row in rows}
-
     def jobs(
         self, wanted: Wanted | None = None, *, limit: int, after: tuple[float, str] | None = None
     ) -> list[Job]:
@@ -496,21 +491,14 @@ class Ledger:
                     .values(state="running", started=now)
                 )
 
-    def succeed(self, work: Work) -> None:
-        """Record that the result of an item is on disk: its jobs are successful."""
-        self._end(work, "successful", None)
+    def end(self, work: Work, problem: Mapping[str, Any] | None, bytes_: int) -> None:
+        """Remove an item of work whose result is on the disk, or that failed, and end its jobs.
 
-    def fail(self, work: Work, problem: Mapping[str, Any]) -> None:
-        """Record that an item failed, with the problem: its jobs have failed."""
-        self._end(work, "failed", json.dumps(dict(problem)))
-
-    def _end(self, work: Work, state: str, problem: str | None) -> None:
-        """Remove an item of work, and set the final state of its jobs.
-
-        Nothing happens if this server's claim on the item is lost. `state` is `successful` or
-        `failed`; `problem` is the JSON of a problem document that says why it failed, or None.
+        Nothing happens if this server's claim on the item is lost. `problem` is the problem
+        document that says why it failed, or None; `bytes_` is the size of all files of the study.
         """
         now = time.time()
+        state = "successful" if problem is None else "failed"
         with self.transaction() as database:
             ended = database.execute(
                 WORK.delete().where(_claimed(work)).returning(WORK.c.seconds, WORK.c.done)
@@ -526,9 +514,10 @@ class Ledger:
                         finished=now,
                         seconds=ended.seconds,
                         done_at_end=ended.done,
-                        problem=problem,
+                        problem=None if problem is None else json.dumps(dict(problem)),
                     )
                 )
+                database.execute(SIZES.update().where(SIZES.c.key == work.key).values(bytes=bytes_))
 
     def release(self, owner: str = "") -> None:
         """Release leases of items of work, so that any server may claim these items at once.

@@ -50,6 +50,10 @@ class LostError(VibrafeedError):
     """The workers are gone, or what else soon comes back; the study is not to blame."""
 
 
+class SlowError(StoppedError):
+    """A computation was stopped that had the processor for less than half of its time."""
+
+
 class ProcessPool:
     """Runs functions in processes, one call at a time in each.
 
@@ -109,7 +113,7 @@ class ProcessPool:
         function, arguments
             A function of a module, and its arguments; both are pickled, as is the result.
         seconds : float
-            Time limit [s], after which the process is killed.
+            Time limit [s], after which the process is killed; the loading of code does not count.
         look : callable, optional
             Awaited every half second; if it raises, the process is killed and the error passed on.
         began : callable, optional
@@ -121,6 +125,8 @@ class ProcessPool:
         ------
         StoppedError
             If the function takes longer than the limit.
+        SlowError
+            If it does so because the machine is busy.
         EndedError
             If the process dies.
         LostError
@@ -129,22 +135,23 @@ class ProcessPool:
             What the function raises.
         """
         process, call = await self._submit(function, arguments)
-        until = time.monotonic() + seconds
         try:
+            ready = asyncio.wrap_future(process.ready)
+            await _until_done(ready, float("inf"), look)
+            before = process.busy_seconds(ready.result())
             if began is not None:
-                await asyncio.wrap_future(process.ready)
                 await began()
-            while not call.done():
-                left = until - time.monotonic()
-                if left <= 0:
-                    raise StoppedError(
-                        f"The computation was stopped at the service's time limit of {seconds:g} s."
+            if not await _until_done(call, seconds, look):
+                if process.busy_seconds(ready.result()) - before < seconds / 2:
+                    raise SlowError(
+                        "The machine of the service is busy: the computation was not ready after "
+                        f"{seconds:g} s. Send the request again."
                     )
-                await asyncio.wait({call}, timeout=min(LOOK, left))
-                if look is not None and not call.done():
-                    await look()
+                raise StoppedError(
+                    f"The computation was stopped at the service's time limit of {seconds:g} s."
+                )
             return call.result()
-        except BrokenProcessPool as error:
+        except (BrokenProcessPool, psutil.NoSuchProcess) as error:
             if self._is_closed:
                 raise LostError("The service stops.") from error
             raise EndedError(
@@ -216,10 +223,26 @@ class _Process:
         self.calls += 1
         return self._executor.submit(_carry_out, function, arguments)
 
+    def busy_seconds(self, pid: int) -> float:
+        """Return the processor time that the process has had so far [s]."""
+        times = psutil.Process(pid).cpu_times()
+        return float(times.user + times.system)
+
     def kill(self) -> None:
         """Kill the process at once, or as soon as it has started."""
         self.ready.add_done_callback(_kill)
         self._executor.shutdown(wait=False, cancel_futures=True)
+
+
+async def _until_done(
+    call: asyncio.Future[Any], seconds: float, look: Callable[[], Awaitable[None]] | None
+) -> bool:
+    until = time.monotonic() + seconds
+    while not call.done() and (left := until - time.monotonic()) > 0:
+        await asyncio.wait({call}, timeout=min(LOOK, left))
+        if look is not None and not call.done():
+            await look()
+    return call.done()
 
 
 def _kill(ready: Future[int]) -> None:

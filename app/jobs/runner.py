@@ -13,7 +13,7 @@ import uuid
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Protocol
 
 from vibrafeed.app.jobs import disk
 from vibrafeed.app.jobs.cluster import Cluster
@@ -57,6 +57,22 @@ def next_item(waiting: Sequence[Work], active: Collection[Work], settings: Setti
     return None
 
 
+class Witness(Protocol):
+    """An observer of work, such as metrics or traces; its methods return at once."""
+
+    def began(self, item: Work) -> Mapping[str, str]:
+        """Notice that an item of work was begun; return fields to add to its log lines."""
+
+    def computed(self, item: Work, seconds: float) -> None:
+        """Notice that a block of an item is done; `seconds` is its computing time [s]."""
+
+    def ended(self, item: Work, outcome: str, seconds: float) -> None:
+        """Notice that an item ended here, with its outcome and the time it was under way [s].
+
+        The outcome is ``done``, ``failed``, ``given up`` or ``interrupted``.
+        """
+
+
 class Runner:
     """Claims work and has it carried out, also what a killed server has left; one per server.
 
@@ -69,8 +85,8 @@ class Runner:
 
     Attributes
     ----------
-    work_progress : WorkProgress
-        Reports the begin, the blocks and the end of each item of work.
+    witnesses : list of Witness
+        The observers of work, such as metrics and traces; each adds itself.
     """
 
     def __init__(
@@ -82,7 +98,7 @@ class Runner:
         self._directory = str(settings.data_directory.resolve())
         self._server = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
         self._dispatcher = Dispatcher(ledger, store, workers, settings)
-        self.work_progress = self._dispatcher.work_progress
+        self.witnesses: list[Witness] = []
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
         self._active: dict[str, tuple[Work, asyncio.Task[None]]] = {}
@@ -200,23 +216,31 @@ class Runner:
         It runs as a task. Work that is interrupted by lost workers or a lost ledger is released, to
         be tried again; an item that no job waits for any more, or whose lease is lost, is given up.
         """
-        about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
-        carrying = asyncio.create_task(self._carry_out(item))
+        about: dict[str, Any] = {"key": item.key, "kind": item.process, "blocks": item.blocks}
+        for witness in self.witnesses:
+            about |= witness.began(item)
+        logger.info("work started", extra=about)
+        began, outcome, computed = time.monotonic(), "interrupted", 0
+
+        def note(seconds: float) -> None:
+            nonlocal computed
+            computed += 1
+            for witness in self.witnesses:
+                witness.computed(item, seconds)
+
+        carrying = asyncio.create_task(self._dispatcher.carry_out(item, note))
         try:
-            self.work_progress.began(item)
             await self._hold(item, carrying)
             if not carrying.done():
-                self.work_progress.ended(item, "given up")
+                outcome = "given up"
                 return
             problem = await self._problem_of(carrying)
             if problem is not None and await self._dispatcher.is_there(item):
                 problem = None  # another server, which took this one for dead, has finished it
-            if problem is None:
-                await asyncio.to_thread(self._ledger.succeed, item)
-                self.work_progress.ended(item, "done")
-            else:
-                await asyncio.to_thread(self._ledger.fail, item, problem)
-                self.work_progress.ended(item, "failed", problem["title"])
+            size = await asyncio.to_thread(self._store.bytes, item.key)
+            await asyncio.to_thread(self._ledger.end, item, problem, size)
+            outcome = "done" if problem is None else "failed"
+            about |= {} if problem is None else {"title": problem["title"]}
         except LostError as lost:
             logger.warning("work is tried again: %s", lost, extra=about)
             await asyncio.sleep(RETRY)
@@ -228,13 +252,13 @@ class Runner:
         finally:
             carrying.cancel()
             await asyncio.gather(carrying, return_exceptions=True)
-            self.work_progress.ended(item, "interrupted")  # if it has not ended before
+            seconds = time.monotonic() - began
+            about |= {"computed": computed, "seconds": round(seconds, 3)}
+            logger.info("work %s", outcome, extra=about)
+            for witness in self.witnesses:
+                witness.ended(item, outcome, seconds)
             self._active.pop(item.owner, None)
             self._wake.set()
-
-    async def _carry_out(self, item: Work) -> None:
-        """Carry out an item of work on the cluster, with the expected time of its blocks."""
-        await self._dispatcher.carry_out(item, item.price / max(1, item.blocks))
 
     async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
         """Renew the lease of an item of work until the task that computes it ends.

@@ -21,9 +21,8 @@ from vibrafeed.core.study.grid_study import Study
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 USED_EVERY = 3600.0  # s; a study's time of last use is written at most once in this time
-MAX_KNOWN = 64  # short studies that are kept in memory, and long ones beside them
-MAX_KNOWN_BYTES = 8_000_000  # of the texts of either; values take three times that in memory
-LONG = 20_000  # bytes of a text; long studies do not push out short ones
+MAX_KNOWN = 64  # studies that are kept in memory
+MAX_KNOWN_BYTES = 8_000_000  # of their texts; values take three times that in memory
 
 
 def identifier(study: Study, process: str | None = None) -> str:
@@ -48,10 +47,9 @@ class Studies:
         """Use the folder `studies` of a data directory; none is read yet."""
         self.directory = directory / "studies"
         self._lock = threading.Lock()
-        # That were asked for last, and whether the identifier is the study's own, for no process.
-        self._known: OrderedDict[str, tuple[Prepared, bool]] = OrderedDict()
-        self._known_long: OrderedDict[str, tuple[Prepared, bool]] = OrderedDict()
-        self._sizes: dict[str, int] = {}  # bytes of the text of each
+        # That were asked for last, whether the identifier is the study's own, for no process, and
+        # the bytes of its text.
+        self._known: OrderedDict[str, tuple[Prepared, bool, int]] = OrderedDict()
 
     def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
         """Store a study in the folder of its identifier.
@@ -101,8 +99,7 @@ class Studies:
         """Return a stored study, and True if its identifier is that which this version gives to it.
 
         `key` is the identifier under which it was posted; another version of vibrafeed gives
-        another one. The studies used last are kept in memory, those with long files apart from the
-        short ones.
+        another one. The studies used last are kept in memory.
 
         Raises
         ------
@@ -113,28 +110,27 @@ class Studies:
         """
         path = self.folder(key) / "study.json"
         with self._lock:
-            for recent in (self._known, self._known_long):
-                known = recent.get(key)
-                if known is not None and path.exists():  # it may have been removed
-                    recent.move_to_end(key)
-                    self.note_use(key)
-                    return known
+            known = self._known.get(key)
+            if known is not None and path.exists():  # it may have been removed
+                self._known.move_to_end(key)
+                self.note_use(key)
+                return known[:2]
         try:
             content = path.read_bytes()
         except FileNotFoundError:
             raise unknown(key) from None
         self.note_use(key)
         prepared = prepare_content(read_json(content))
-        entry = prepared, identifier(prepared.study) == key
+        is_own = identifier(prepared.study) == key
         with self._lock:
-            recent = self._known_long if len(content) > LONG else self._known
-            recent[key], self._sizes[key] = entry, len(content)
-            recent.move_to_end(key)
+            self._known[key] = prepared, is_own, len(content)
+            self._known.move_to_end(key)
             while (
-                len(recent) > MAX_KNOWN or sum(self._sizes[one] for one in recent) > MAX_KNOWN_BYTES
+                len(self._known) > MAX_KNOWN
+                or sum(size for *_, size in self._known.values()) > MAX_KNOWN_BYTES
             ):
-                del self._sizes[recent.popitem(last=False)[0]]
-        return entry
+                self._known.popitem(last=False)
+        return prepared, is_own
 
     def folder(self, key: str) -> Path:
         """Return the folder of a study; raise `NotFoundError` if the identifier is malformed."""

@@ -74,6 +74,13 @@ OWNED_STUDIES = Table(
     Column("used", Double, nullable=False),
 )
 
+SIZES = Table(  # of all files of each study
+    "sizes",
+    TABLES,
+    Column("key", Text, primary_key=True),
+    Column("bytes", BigInteger, nullable=False),
+)
+
 AUDIT = Table(
     "audit",
     TABLES,
@@ -196,4 +203,5 @@ UPGRADES: tuple[tuple[str, ...], ...] = (
         "DROP INDEX jobs_by_owner",
         "CREATE INDEX jobs_by_owner ON jobs (owner, state)",
     ),
+    ("CREATE TABLE sizes (key TEXT PRIMARY KEY, bytes {whole} NOT NULL) {strict}",),
 )

@@ -6,11 +6,9 @@ is computed goes to the disk.
 
 from __future__ import annotations
 
-import math
 import socket
 import threading
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -22,7 +20,7 @@ from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
 from vibrafeed.core import lazy
 from vibrafeed.core.code_version import code_version
-from vibrafeed.core.errors import StoppedError, StudyError
+from vibrafeed.core.errors import StudyError
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.plan.pieces import Cut, cells_of_piece, join
@@ -32,7 +30,6 @@ from vibrafeed.core.watch import Watch
 
 IN_GROUP = 0
 """Stands for the cells of a block that goes into a Zarr group (`vibrafeed.app.jobs.large`)."""
-UNWANTED = "no client wants the block any more"
 REPORT_BYTES = 10_000_000  # bytes that an accuracy report may take on the disk
 REPORT_SECONDS = 60.0  # of a report, whose study does not state it
 
@@ -134,7 +131,7 @@ def missing_blocks(directory: str, key: str, process: str, cells: int, count: in
 
 
 def compute_block(
-    directory: str, key: str, process: str, cells: int, index: int, claim: str = ""
+    directory: str, key: str, process: str, cells: int, index: int, version: str
 ) -> float:
     """Compute a block of a study and store it; return the seconds it took.
 
@@ -148,23 +145,24 @@ def compute_block(
         Number of cells of the blocks that the study is cut into, or `IN_GROUP`.
     index : int
         Number of the block, from 0.
-    claim : str
-        Name of the lease under which the block is computed; a block whose claim has been given up
-        is not kept.
+    version : str
+        Version of the server and of its code.
 
     Raises
     ------
+    OtherVersionError
+        If this worker has other code than the server.
     BlindWorkerError
         If this worker does not find the study.
-    StoppedError
-        If the claim was given up.
     """
+    if version != code_version():
+        raise OtherVersionError(
+            f"The server runs vibrafeed {version}, and a worker {code_version()}. Run one version "
+            "on all servers and workers, then post the study again."
+        )
     started = time.perf_counter()
     store = Store(Path(directory))
-    # One thread: each worker thread is given a block of its own.
-    watch = Watch(threads=1, stop=lambda: store.is_abandoned(key, claim))
-    if watch.stopped():  # before it began
-        raise StoppedError(UNWANTED)
+    watch = Watch(threads=1)  # each worker is given a block of its own
     if process in KINDS and cells == IN_GROUP:
         large.group_of_job(store, key, _study(directory, key)).write(index, watch)
     elif not store.has_block(key, cells, index):
@@ -174,40 +172,8 @@ def compute_block(
             computed = KINDS[prepared.study.kind].compute(part, watch)
         else:
             computed = measure(prepared, watch).computed()
-        if watch.stopped():
-            raise StoppedError(UNWANTED)
         store.write_block(key, cells, index, computed)
     return time.perf_counter() - started
-
-
-def compute_blocks(
-    directory: str,
-    key: str,
-    process: str,
-    cells: int,
-    indices: Sequence[int],
-    claim: str = "",
-    most: float = math.inf,
-    version: str | None = None,
-) -> list[float]:
-    """Compute blocks of a study, one after another; return the seconds that each took.
-
-    Each is stored when it is done, and those before are kept if one fails. After `most` seconds no
-    other begins: blocks of equal size may take very different times. Raises `OtherVersionError` if
-    this worker has other code than the server, whose version is given. The other arguments and the
-    errors are those of `compute_block`, with the numbers of the blocks.
-    """
-    if version not in (None, code_version()):
-        raise OtherVersionError(
-            f"The server runs vibrafeed {version}, and a worker {code_version()}. Run one version "
-            "on all servers and workers, then post the study again."
-        )
-    took: list[float] = []
-    for index in indices:
-        if sum(took) >= most:
-            break
-        took.append(compute_block(directory, key, process, cells, index, claim))
-    return took
 
 
 def write_result(directory: str, key: str, process: str, cells: int, seconds: float) -> float:

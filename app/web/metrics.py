@@ -6,7 +6,7 @@ import asyncio
 import shutil
 import sqlite3
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 
 from prometheus_client import (
@@ -117,10 +117,9 @@ class Metrics:
         """Do nothing: the ledger counts the items that are begun."""
         return {}
 
-    def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Count finished blocks of an item; `seconds` are their computing times [s]."""
-        for one in seconds:
-            self._blocks.labels(item.process).observe(one)
+    def computed(self, item: Work, seconds: float) -> None:
+        """Count a finished block of an item; `seconds` is its computing time [s]."""
+        self._blocks.labels(item.process).observe(seconds)
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
         """Count an ended item of work by its outcome; `seconds` is how long it was under way."""

@@ -22,7 +22,7 @@ from vibrafeed.app.jobs.errors import (
     QueueFullError,
     TooManyJobsError,
 )
-from vibrafeed.app.jobs.process_pool import EndedError
+from vibrafeed.app.jobs.process_pool import EndedError, LostError, SlowError
 from vibrafeed.app.web.replies import problem_document
 from vibrafeed.core.errors import (
     LimitError,
@@ -87,7 +87,9 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     GoneError: (410, "gone", "The result is gone"),
     TooManyJobsError: (429, "jobs", "The key has as many jobs as it may"),
     QueueFullError: (429, "queue", "The queue of jobs is full"),
+    SlowError: (503, "busy", "The service is busy"),
     EndedError: (503, "busy", "The service is busy"),
+    LostError: (503, "busy", "The service is busy"),
     BusyError: (503, "busy", "The service is busy"),
     NoRoomError: (507, "storage", "There is no room for the result"),
 }

@@ -18,12 +18,11 @@ import xarray
 from PIL import Image
 from playwright.sync_api import Page, expect
 
+from access import KEY, lock
 from night import first_by_day
 from services import ROOT, Service, services
 from tools import tool
-from vibrafeed.app.jobs.keys import new_key
 
-KEY, HASH = new_key()
 PLANE = "kind=simulate&scene=rectangle-on-plane&output=conveying_velocity&p.friction=0.4"
 AXES = "x=amplitude:0.0001:0.0007&y=beta:5:60"
 SNAPSHOT = "kind=sweep&scene=rectangle-on-plane&choice=physical&output=acceleration_x"
@@ -49,9 +48,10 @@ def service(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Service]:
     with services(tmp_path_factory) as start:
-        keys = {"api_key_hashes": json.dumps([HASH])} if request.param == "with keys" else {}
-        found = start(workers=1, **keys)
-        found.has_keys = bool(keys)  # type: ignore[attr-defined]
+        found = start(workers=1)
+        found.has_keys = request.param == "with keys"  # type: ignore[attr-defined]
+        if found.has_keys:  # type: ignore[attr-defined]
+            lock(found.address, found.folder / "data")
         yield found
 
 

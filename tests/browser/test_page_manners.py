@@ -9,11 +9,10 @@ import urllib.request
 import pytest
 from playwright.sync_api import Route, expect
 
+from access import KEY, lock
 from services import services
-from vibrafeed.app.jobs.keys import new_key
 from waiting import PATIENCE, wait_for
 
-KEY, HASH = new_key()
 MOTION = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
     "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4"
@@ -35,10 +34,11 @@ STUDY = {
 @pytest.fixture(scope="module")
 def service(tmp_path_factory):
     with services(tmp_path_factory) as start:
-        hashes = json.dumps([HASH])
         # Also short studies count as long, of which one at a time is computed.
         queue = {"concurrent_jobs": 1, "block_seconds": 0.05, "lease_seconds": 3}
-        yield start(workers=1, api_key_hashes=hashes, max_synchronous_seconds=0.3, **queue)
+        found = start(workers=1, max_synchronous_seconds=0.3, **queue)
+        lock(found.address, found.folder / "data")
+        yield found
 
 
 def entered(page, service, link=""):

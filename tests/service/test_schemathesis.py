@@ -18,16 +18,15 @@ from typing import Any
 
 import pytest
 
+from access import KEY, lock
 from benchmarks import serving
 from night import NIGHT, count
-from vibrafeed.app.jobs.keys import new_key
 from vibrafeed.app.web.execution import PROCESSES
 from waiting import PATIENCE, wait_for
 
 CASES = count(2, 500, "VIBRAFEED_FUZZ_CASES")
 SEEDS = (1, 2, 3) if CASES > 100 else (1,)
 PHASES = "examples,fuzzing,stateful" if NIGHT else "fuzzing,stateful"
-KEY, HASH = new_key()
 STUDY = {
     "kind": "sweep",
     "scene": "rectangle-on-plane",
@@ -117,7 +116,8 @@ def asked(address: str, content: Any = None, **headers: str) -> Any:
 def served(tmp_path_factory) -> Iterator[tuple[str, Path]]:
     """The address of a server that has a sweep and a finished job, and how to talk about them."""
     folder = tmp_path_factory.mktemp("fuzzed")
-    with serving.served(api_key_hashes=HASH, **LIMITS) as server:
+    with serving.served(**LIMITS) as server:
+        lock(server.address, server.data)
         address = server.address
         # The document is made once, which a busy machine takes longer for than Schemathesis waits.
         asked(f"{address}/openapi.json")

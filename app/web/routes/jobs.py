@@ -16,7 +16,7 @@ from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
 from starlette.datastructures import URL
 
-from vibrafeed.app.jobs.admission import Admission, is_readable
+from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.keys import NOBODY, Key, Keys
 from vibrafeed.app.jobs.ledger import ACTIVE, STATES, Wanted
 from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Body, Number, WhoOf, refuse_repeated
@@ -283,8 +283,8 @@ async def _events(
     """
     sent, at = None, time.monotonic()
     while not await over():
-        job = await admission.looks.job(number)
-        if job is None or not is_readable(job, who):
+        job = await asyncio.to_thread(admission.job, number, who)
+        if job is None:
             return
         if (job.state, job.done) != sent:
             sent, at = (job.state, job.done), time.monotonic()

@@ -313,7 +313,8 @@ async def _wait_for_job(request: Request, admission: Admission, job: Job, second
         with contextlib.suppress(
             OSError, sqlite3.OperationalError
         ):  # the client is to learn of its job
-            job = await admission.looks.job(job.id) or job
+            found = await asyncio.to_thread(admission.ledger.job, job.id)
+            job = found or job
     return job
 
 

@@ -318,7 +318,6 @@ def test_an_empty_ledger_beside_studies_is_not_taken_for_a_new_one(tmp_path, mon
     monkeypatch.setattr(
         "vibrafeed.app.web.server.serve_until_stopped", lambda *_, **__: served.append(1)
     )
-    monkeypatch.setenv("VIBRAFEED_API_KEY_HASHES", "0" * 64)
     assert run("serve", "--new-ledger", "--port", "0").exit_code == 0
     assert served
 

@@ -68,7 +68,7 @@ def test_a_file_of_the_time_before_versions_keeps_its_jobs(tmp_path):
         job = ledger.job("a")
         assert (job.state, job.done, job.created) == ("accepted", 3, 1.5)
         work = ledger.claim("server", 9.0)
-        ledger.succeed(work)
+        ledger.end(work, None, 1)
         assert ledger.job("a").state == "successful"
     finally:
         ledger.close()

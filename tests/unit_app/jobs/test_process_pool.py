@@ -13,7 +13,14 @@ from pathlib import Path
 
 import pytest
 
-from vibrafeed.app.jobs.process_pool import CALLS, ENVIRONMENT, EndedError, ProcessPool
+from vibrafeed.app.jobs.process_pool import (
+    CALLS,
+    ENVIRONMENT,
+    EndedError,
+    ProcessPool,
+    SlowError,
+    _Process,
+)
 from vibrafeed.core.errors import LimitError, Problem, StoppedError, StudyError
 from waiting import PATIENCE, awaited, wait_for
 
@@ -126,6 +133,14 @@ def test_what_takes_too_long_is_ended_and_others_go_on(tmp_path):
     if path.exists():  # on a busy machine it may not have begun
         assert after != int(path.read_text())
         wait_for(lambda: not is_there(int(path.read_text())))
+
+
+@pytest.mark.parametrize(("busy", "error"), [(0.4, SlowError), (0.6, StoppedError)])
+def test_a_busy_machine_is_not_what_takes_too_long(busy, error, monkeypatch):
+    spent = iter([1.0, 1.0 + busy])
+    monkeypatch.setattr(_Process, "busy_seconds", lambda self, pid: next(spent))
+    [held] = carried_out(lambda pool: pool(time.sleep, 1e6, seconds=1))
+    assert type(held) is error
 
 
 def test_what_nobody_wants_any_more_is_ended():

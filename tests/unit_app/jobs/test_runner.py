@@ -46,6 +46,7 @@ class Workers:
         self.instead, self.calls = instead, []
         self.fair_queue = FairQueue(3)
         self.trouble: str | None = None
+        self.given_up: list[str] = []
         self.cut_off: list[str] = []
 
     async def prepare(self) -> None:
@@ -64,6 +65,7 @@ class Workers:
         try:
             return await asyncio.shield(call)
         except asyncio.CancelledError:
+            self.given_up.append(name)
             if not (await asyncio.wait({call}, timeout=grace))[0]:
                 self.cut_off.append(name)
             raise
@@ -104,53 +106,13 @@ def test_work_is_carried_out(tmp_path):
     workers = Workers()
     job = carried_out(tmp_path, workers)
     assert (job.state, job.done) == ("successful", job.blocks)
-    assert workers.calls == ["compute_blocks"] * job.blocks + ["write_result"]
+    assert workers.calls == ["missing_blocks", *["compute_block"] * job.blocks, "write_result"]
     assert Store(tmp_path).manifest(job.key) is not None
-
-
-def test_blocks_much_shorter_than_priced_share_calls(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
-    amplitude = {"start": "0.1 mm", "stop": "0.4 mm", "num": 400}
-    monkeypatch.setitem(STUDY["parameters"], "amplitude", amplitude)
-
-    def in_no_time(*arguments: Any) -> list[float]:
-        return [0.0] * len(work.compute_blocks(*arguments))
-
-    workers = Workers(compute_blocks=in_no_time)
-    job = carried_out(tmp_path, workers)
-    assert (job.state, job.blocks, job.done) == ("successful", 400, 400)
-    # Some at a time, but never more than leave as many for each of the calls under way.
-    assert 2 * workers.fair_queue.slots < len(workers.calls) < 60
-
-
-def test_blocks_that_turn_out_long_are_given_back(tmp_path, monkeypatch):
-    """After a block's time a call begins with no other, and the rest is computed by others."""
-    monkeypatch.setattr("vibrafeed.app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
-    amplitude = {"start": "0.1 mm", "stop": "0.4 mm", "num": 60}
-    monkeypatch.setitem(STUDY["parameters"], "amplitude", amplitude)
-    asked: list[int] = []
-
-    def at_first_short(*arguments: Any) -> list[float]:
-        *others, indices, claim, _, _ = arguments
-        asked.append(len(indices))
-        is_short = len(asked) < 12
-        took = work.compute_blocks(*others, indices if is_short else indices[:1], claim)
-        return [0.0 if is_short else 1.0] * len(took)
-
-    job = carried_out(tmp_path, Workers(compute_blocks=at_first_short))
-    assert (job.state, job.blocks, job.done) == ("successful", 60, 60)
-    assert max(asked) > 1
-    assert asked[-1] == 1
-
-
-def test_no_block_begins_after_the_time_of_a_call(tmp_path, monkeypatch):
-    monkeypatch.setattr(work, "compute_block", lambda *_: 0.4)
-    assert work.compute_blocks("", "", "sweep", 1, range(9), "", 1.0) == [0.4] * 3
 
 
 def test_time_runs_out_while_a_block_runs(tmp_path):
     done = threading.Event()
-    workers = Workers(compute_blocks=lambda *_: done.wait(PATIENCE))
+    workers = Workers(compute_block=lambda *_: float(done.wait(PATIENCE)))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "failed")
@@ -180,17 +142,15 @@ def test_a_job_waits_for_workers_and_says_so(tmp_path, monkeypatch):
     carried_out(tmp_path, workers, play, max_job_seconds=0.5)
 
 
-@pytest.mark.parametrize(("grace", "cut_off"), [(0.1, ["compute_blocks"]), (PATIENCE, [])])
+@pytest.mark.parametrize(("grace", "cut_off"), [(0.1, ["compute_block"]), (PATIENCE, [])])
 def test_what_was_dismissed_has_a_time_to_end(tmp_path, grace, cut_off):
     done = threading.Event()
-    workers = Workers(compute_blocks=lambda *_: done.wait(PATIENCE))
+    workers = Workers(compute_block=lambda *_: float(done.wait(PATIENCE)))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "running")
         admission.dismiss(job.id)
-        store = Store(tmp_path)
-        ((item, _),) = runner._active.values()
-        await awaited(lambda: store.is_abandoned(item.key, item.owner))
+        await awaited(lambda: bool(workers.given_up))
         if cut_off:
             await awaited(lambda: not runner._active)
         done.set()
@@ -205,17 +165,17 @@ def test_a_block_that_takes_its_workers_down_fails_its_job(tmp_path):
     def dies(*_: Any) -> None:
         raise EndedError("it died")
 
-    workers = Workers(compute_blocks=dies)
+    workers = Workers(compute_block=dies)
     job = carried_out(tmp_path, workers)
     assert (job.problem["status"], job.problem["title"]) == (500, "The study crashes its workers")
-    assert workers.calls == MAX_DEATHS * ["compute_blocks"]
+    assert workers.calls == ["missing_blocks", *MAX_DEATHS * ["compute_block"]]
 
 
 def test_a_worker_without_the_shared_files_is_told(tmp_path):
-    def blind(directory: str, *arguments: Any) -> list[float]:
-        return work.compute_blocks(str(tmp_path / "elsewhere"), *arguments)
+    def blind(directory: str, *arguments: Any) -> float:
+        return work.compute_block(str(tmp_path / "elsewhere"), *arguments)
 
-    job = carried_out(tmp_path, Workers(compute_blocks=blind))
+    job = carried_out(tmp_path, Workers(compute_block=blind))
     assert (job.problem["status"], job.problem["kind"]) == (500, "workers")
     assert job.problem["title"] == "A worker does not see the data directory"
     assert "VIBRAFEED_DATA_DIRECTORY" in job.problem["detail"]
@@ -231,7 +191,7 @@ def test_a_dismissal_is_noticed_soon(tmp_path):
         await awaited(lambda: not runner._active)
         done.set()
 
-    workers = Workers(compute_blocks=lambda *_: done.wait(PATIENCE))
+    workers = Workers(compute_block=lambda *_: float(done.wait(PATIENCE)))
     carried_out(tmp_path, workers, play, lease_seconds=600, grace_seconds=0.1)
 
 
@@ -302,17 +262,17 @@ def test_too_many_open_files_fail_no_job(tmp_path, monkeypatch):
     monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
     open_files = [OSError(errno.EMFILE, "Too many open files")]
 
-    def full(*arguments: Any) -> list[float]:
+    def full(*arguments: Any) -> float:
         if open_files:
             raise open_files.pop()
-        return work.compute_blocks(*arguments)
+        return work.compute_block(*arguments)
 
-    assert carried_out(tmp_path, Workers(compute_blocks=full)).state == "successful"
+    assert carried_out(tmp_path, Workers(compute_block=full)).state == "successful"
 
 
 def test_a_study_of_another_version_is_told(tmp_path):
     def other(*arguments: Any) -> float:
         raise OtherVersionError("Post it again.")
 
-    job = carried_out(tmp_path, Workers(compute_blocks=other))
+    job = carried_out(tmp_path, Workers(compute_block=other))
     assert (job.problem["status"], job.problem["kind"]) == (409, "version")

@@ -25,6 +25,7 @@ import importlib, pathlib, sys
 directory = pathlib.Path(sys.argv[1])
 run = importlib.import_module("vibrafeed.app.jobs.work")
 from vibrafeed.app.jobs.store import Store
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.plan.pieces import cells_of_piece
 study = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["throw_number"],
@@ -33,7 +34,7 @@ store = Store(directory)
 prepared = prepare_content(study)
 key, _ = store.add(prepared.study)
 cells = cells_of_piece(prepared, 1.0)
-run.compute_block(str(directory), key, "sweep", cells, 0)
+run.compute_block(str(directory), key, "sweep", cells, 0, code_version())
 run.write_result(str(directory), key, "sweep", cells, 0.0)
 assert store.manifest(key) is not None
 import vibrafeed.app.web.calculations  # what it loads to read studies

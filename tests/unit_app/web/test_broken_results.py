@@ -246,7 +246,7 @@ class TestSound:
 
 
 def test_a_damaged_ledger_is_503_and_not_ready(tmp_path):
-    settings = Settings(data_directory=tmp_path, workers=1, api_key_hashes=())
+    settings = Settings(data_directory=tmp_path, workers=1)
     app = create_app(settings)
     with local_client(app, raise_server_exceptions=False) as client:
         assert client.get("/readyz").status_code == 200

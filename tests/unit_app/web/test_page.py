@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from access import give_key
 from local_client import local_client
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
@@ -46,8 +47,8 @@ def test_the_page_runs_scripts_of_its_own_files_only(client):
 
 
 def test_the_page_needs_no_key_and_what_it_asks_does(tmp_path):
-    hashes = [hashlib.sha256(b"secret").hexdigest()]
-    client = local_client(create_app(Settings(data_directory=tmp_path, api_key_hashes=hashes)))
+    give_key(tmp_path)
+    client = local_client(create_app(Settings(data_directory=tmp_path)))
     assert client.get("/", headers=BROWSER).status_code == 200
     assert client.get("/page/page.css").status_code == 200
     assert client.get("/scenes").status_code == 401

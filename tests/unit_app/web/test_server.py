@@ -22,19 +22,17 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+from access import BEARER, HASH, KEY, give_key
 from benchmarks.serving import free_port
 from local_client import local_client
 from vibrafeed import core
 from vibrafeed.app.cli import app as commands
-from vibrafeed.app.jobs.keys import new_key
 from vibrafeed.app.jobs.manifest import NETCDF, Manifest
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
 from waiting import PATIENCE, SELDOM, wait_for
 
 ROOT = Path(__file__).parents[3]
-KEY, HASH = new_key()
-BEARER = {"Authorization": f"Bearer {KEY}"}
 STUDY: dict[str, Any] = {
     "kind": "sweep",
     "scene": "rectangle-on-plane",
@@ -126,24 +124,14 @@ def test_the_service_refuses_to_open_itself_without_keys(tmp_path, monkeypatch):
     for host in ("0.0.0.0", "::", "lab.example"):
         result = CliRunner().invoke(commands, ["serve", "--host", host])
         assert result.exit_code == 2
-        assert "VIBRAFEED_API_KEY_HASHES" in result.output
-        assert "vibrafeed key" in result.output
-
-
-def test_the_key_command_prints_what_serve_takes(monkeypatch):
-    result = CliRunner().invoke(commands, ["key", "hash"])
-    words = result.output.split()
-    key, digest = words[words.index("key") + 1], words[words.index("hash") + 1]
-    assert hashlib.sha256(key.encode()).hexdigest() == digest
-    monkeypatch.setenv("VIBRAFEED_API_KEY_HASHES", digest)
-    assert Settings().api_key_hashes == (digest,)
+        assert "vibrafeed key add" in result.output
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 def test_a_server_with_keys_on_every_address_finishes_its_downloads(tmp_path):
     """The server as it is run: open to others, with a key; stopped during a download."""
-    environment = {"VIBRAFEED_API_KEY_HASHES": HASH}
-    with server(tmp_path, "--host", "0.0.0.0", **environment) as (process, port, log):
+    give_key(tmp_path / "data")
+    with server(tmp_path, "--host", "0.0.0.0") as (process, port, log):
         plain = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
         plain.request("GET", "/scenes?key=" + KEY)
         refused = plain.getresponse()
