@@ -256,7 +256,8 @@ export function valuesAt(view, point) {
 
 // The motion of a design, as a study; `values` may have lists.
 function motionStudy(view, scene, values) {
-  const outputs = AT_A_POINT.filter((name) => scene.outputs.some((one) => one.name === name));
+  const own = view.kind === "simulate" ? [view.output] : [];
+  const outputs = [...new Set([...own, ...AT_A_POINT])].filter((name) => scene.outputs.some((one) => one.name === name));
   return {
     kind: "simulate",
     scene: view.scene,
@@ -270,7 +271,7 @@ function motionStudy(view, scene, values) {
 // The course of the one part at a point of the view.
 /** @param {View} view @param {object} scene @param {Point} point @param {{signal?: AbortSignal, tell?: (job: any) => void}} how */
 export async function courseAt(view, scene, point, { signal, tell } = {}) {
-  const study = { ...motionStudy(view, scene, valuesAt(view, point)), trajectory: 400 };
+  const study = { ...motionStudy(view, scene, valuesAt(view, point)), ...(scene.trajectory ? { trajectory: 400 } : {}) };
   return (await carryOut("simulate", study, { signal, tell })).dataset;
 }
 

@@ -280,7 +280,7 @@ export class Controls {
   }
 
   clear() {
-    for (const slot of this.host.querySelectorAll(".wrong")) slot.textContent = "";
+    for (const slot of this.host.querySelectorAll(".wrong:not([role=alert])")) slot.textContent = ""; // not what was typed
   }
 }
 

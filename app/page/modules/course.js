@@ -21,7 +21,7 @@ export function courseOf(dataset) {
   const values = (name) => all[name]?.data;
   const flags = all.motion_mode?.flags ?? {};
   const names = Object.fromEntries(Object.entries(flags).map(([name, value]) => [value, name]));
-  const times = values("cycle_time");
+  const times = values("cycle_time") ?? [];
   const zeros = () => times.map(() => 0);
   const trackAlong = values("track_along") ?? zeros();
   const relative = values("relative_velocity_along");
@@ -41,7 +41,7 @@ export function courseOf(dataset) {
     climb: values("gamma") ?? 0,
     lean: values("delta") ?? null,
     unit: all.position_along?.units ?? "m",
-    velocity: values("conveying_velocity"),
+    velocity: values("conveying_velocity") ?? values("drift_velocity"),
     throwNumber: values("throw_number") ?? null,
     hopHeight: values("hop_height") ?? null,
     platoons: values("platoons") ?? null,

@@ -88,8 +88,8 @@ class Page {
     this.optimum = new Optimum(byId("optimum"), {
       first: extra,
       beside: byId("beside"),
-      onmark: (marks) => this.picture.mark(marks, "best"),
-      onchoose: (at, how) => this.choose(at, how),
+      onmark: (marks) => this.view.question === "drive" && this.picture.mark(marks, "best"),
+      onchoose: (at, how) => this.view.question === "drive" && this.choose(at, how),
       // A search that ends after its question was left has nothing to say.
       onwish: (best) => this.view.question === "drive" && this.setView({ best }),
       steps: () => this.picture.steps(),

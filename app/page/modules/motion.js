@@ -66,7 +66,8 @@ export class MotionAtPoint {
       const course = courseOf(await this.notice.persist(() => courseAt(view, scene, view.point, { signal, tell })));
       if (turn !== this.turn) return;
       stale(false);
-      this.animation.show(course);
+      this.section.hidden = !course.times.length; // some systems and methods give means only
+      if (course.times.length) this.animation.show(course);
       this.onshown(view, course);
     } catch (error) {
       if (error.name === "AbortError") return;

@@ -104,6 +104,7 @@ export class Optimum {
   }
 
   forget() {
+    this.abort?.abort(left()); // a search that is left has nothing to say
     this.designs = [];
     this.found = null;
     if (this.front) this.beside.hidden = true;
@@ -124,10 +125,9 @@ export class Optimum {
   // `isShown` where the drive that is found becomes the design.
   async find({ isShown = true } = {}) {
     const study = this.study();
-    this.abort?.abort(left());
+    this.forget();
     this.abort = new AbortController();
     const { signal } = this.abort;
-    this.forget();
     this.wishes.clear();
     this.said.textContent = "Searching for the best drive ...";
     try {

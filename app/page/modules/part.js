@@ -103,7 +103,7 @@ export class PartHere {
 
   // How high the part hops; 0 where that is nothing but rounding.
   hop({ height, hopHeight, amplitude, stroke }) {
-    const most = hopHeight ?? Math.max(...height);
-    return most > HOP * Math.max(...height.map(Math.abs), amplitude ?? stroke ?? 0) ? most : 0;
+    const most = hopHeight ?? Math.max(0, ...height);
+    return most > HOP * Math.max(0, ...height.map(Math.abs), amplitude ?? stroke ?? 0) ? most : 0;
   }
 }

@@ -74,7 +74,7 @@ export const QUESTIONS = {
       output: "oriented_feed_rate",
       x: { name: "wiper_height_1", from: 0.008, to: 0.032 },
       y: { name: "arrival_rate", from: 60, to: 600 },
-      values: { length: 0.03, width: 0.02, height: 0.01, wanted_aspect: 1 },
+      values: { length: 0.03, width: 0.02, height: 0.01 },
     },
   },
   thesis: { title: "What do the figures of the thesis show?", begin: MOTION, extra: "figures" },
