@@ -6,7 +6,7 @@ import { svgDocument } from "./exported.js";
 import { legendOf, occurring } from "./legend.js";
 import { capital, label, number, shown, withUnit, words } from "./words.js";
 
-const LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+const LINES = ["#0b5cad", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 const STRIP = 8; // px
 
 function ink(host) {
@@ -122,13 +122,13 @@ export class Curves {
   // Set somebody's marks, of {x, text, isSmall}.
   mark(marks, whose) {
     this.marks[whose] = marks;
-    this.plot?.redraw();
+    this.plot?.redraw(false, false); // not its scales, which may not be there yet
   }
 
   // Points that were measured, of [value of x, value of the line], or null.
   points(points) {
     this.measured = points;
-    this.plot?.redraw();
+    this.plot?.redraw(false, false); // not its scales, which may not be there yet
   }
 
   drawPoints(plot) {
@@ -154,7 +154,7 @@ export class Curves {
     ctx.save();
     ctx.strokeStyle = ctx.fillStyle = ink(this.box);
     ctx.font = `600 ${12 * ratio}px system-ui, sans-serif`;
-    for (const { x, text, isSmall } of Object.values(this.marks).flat()) {
+    for (const { x, text, isSmall, isLow } of Object.values(this.marks).flat()) {
       const at = plot.valToPos(x * factor, "x", true);
       ctx.lineWidth = (isSmall ? 1 : 2) * ratio;
       ctx.beginPath();
@@ -163,7 +163,7 @@ export class Curves {
       ctx.stroke();
       const isRight = at > bbox.left + 0.7 * bbox.width;
       ctx.textAlign = isRight ? "right" : "left";
-      ctx.fillText(text, at + (isRight ? -6 : 6) * ratio, bbox.top + 14 * ratio);
+      ctx.fillText(text, at + (isRight ? -6 : 6) * ratio, bbox.top + (isLow ? 32 : 14) * ratio);
     }
     ctx.restore();
   }

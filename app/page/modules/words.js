@@ -2,6 +2,7 @@
 
 const UNITS = {
   1: [1, ""],
+  share: [100, "%"],
   m: [1e3, "mm"],
   "m s-1": [1e3, "mm/s"],
   "m s-2": [1, "m/s²"],
@@ -51,9 +52,12 @@ export function withUnit(value, unit, digits = 4) {
 }
 
 const LABELS = new Map();
+const SHARES = /share|_fraction$|^yield|^purity|^efficiency$/; // told in per cent
 
-// Note what the service calls its quantities.
+// Note what the service calls its quantities. A drive unit weighs kilograms, a part grams.
 export function learn(scene) {
+  UNITS.kg = /drive-unit$/.test(scene.name) ? [1, "kg"] : [1e3, "g"];
+  for (const output of scene.outputs) if (output.unit === "1" && SHARES.test(output.name)) output.unit = "share";
   for (const { name, label: text } of [...scene.parameters, ...scene.outputs]) {
     if (text) LABELS.set(name, text);
   }

@@ -13,6 +13,7 @@ from fastapi.staticfiles import StaticFiles
 for suffix, media in {
     ".css": "text/css",
     ".js": "text/javascript",
+    ".mjs": "text/javascript",
     ".json": "application/json",
     ".svg": "image/svg+xml",
     ".woff2": "font/woff2",

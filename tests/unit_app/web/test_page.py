@@ -66,7 +66,7 @@ def test_libraries_are_what_they_were_published_as():
     listed = dict(
         reversed(line.split()) for line in (vendor / "SHA256SUMS").read_text().splitlines()
     )
-    files = [path for path in vendor.iterdir() if path.suffix in (".js", ".css")]
+    files = [path for path in vendor.iterdir() if path.suffix in (".js", ".mjs", ".css")]
     assert {path.name for path in files} == set(listed)
     for path in files:
         assert hashlib.sha256(path.read_bytes()).hexdigest() == listed[path.name]
