@@ -166,6 +166,7 @@
       const box = document.getElementById(`choose-${id}`).closest(".field");
       const { text } = document.getElementById(`choose-${id}`).selectedOptions[0];
       [...box.querySelectorAll(".ends input")].forEach((input, i) => {
+        if (input.getAttribute("aria-invalid")) return; // the last value holds
         const value = [axis.from, axis.to][i] * factorOf(text);
         if (!near(Number(input.value), value)) say(`end of ${id}`, input.value, value);
       });

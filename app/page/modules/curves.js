@@ -45,7 +45,7 @@ export class Curves {
     const scaled = (values) =>
       Array.from(values, (value) => (Number.isFinite(value) ? value * yFactor : null));
     for (const [place, line] of data.lines.entries()) {
-      const stroke = LINES[place % LINES.length];
+      const stroke = place ? LINES[place % LINES.length] : this.style("--accent");
       if (line.low) {
         columns.push(scaled(line.high), scaled(line.low));
         series.push({ stroke: "transparent" }, { stroke: "transparent" });
@@ -61,8 +61,8 @@ export class Curves {
       stroke: colour,
       labelSize: 20,
       size,
-      grid: { stroke: `${this.grid()}`, width: 1 },
-      ticks: { stroke: this.grid() },
+      grid: { stroke: this.style("--line"), width: 1 },
+      ticks: { stroke: this.style("--line") },
       values: (_, splits) => splits.map((value) => number(value)),
     });
     this.plot = new (/** @type {any} */ (window).uPlot)(
@@ -95,8 +95,8 @@ export class Curves {
     return label(line.name, line.unit);
   }
 
-  grid() {
-    return getComputedStyle(document.documentElement).getPropertyValue("--line").trim() || "#ccc";
+  style(name) {
+    return getComputedStyle(document.documentElement).getPropertyValue(name).trim() || "#888888";
   }
 
   resize() {

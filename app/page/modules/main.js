@@ -153,7 +153,7 @@ class Page {
     new ResizeObserver(() => requestAnimationFrame(() => this.drawPanels())).observe(byId("panels-host"));
     this.aspects = new Aspects(byId("aspects"), (output) => this.setView({ output }));
     this.waves = new Waves(byId("waves"), setView);
-    this.pins = new Pins(byId("pins"), { onpins: (pins) => this.setView({ pins }), onshow: (values) => this.setView({ values: { ...this.view.values, ...values } }) });
+    this.pins = new Pins(byId("pins"), { persist: (task) => this.notice.persist(task), onpins: (pins) => this.setView({ pins }), onshow: (values) => this.setView({ values: { ...this.view.values, ...values } }) });
     byId("keep").addEventListener("click", () => this.pins.pin(this.view));
     this.optimum = new Optimum(
       this.store,
@@ -575,7 +575,7 @@ class Page {
     this.tabsTold = told;
     fill(
       byId("tabs"),
-      ...there.map((id) =>
+      ...(there.length < 2 ? [] : there).map((id) =>
         element("button", { type: "button", id: `tab-${id}`, "aria-pressed": String(id === tab), onclick: () => {
           this.tab = id;
           this.tabs();

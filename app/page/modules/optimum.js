@@ -36,6 +36,15 @@ const CHIPS = {
   },
 };
 
+const SPEEDS = new Set(["conveying_velocity", "drift_velocity"]);
+
+function titleOf(chip, view) {
+  if (chip !== "fastest") return CHIPS[chip].title;
+  if (view.best.kind === "pareto") return "Trade-off";
+  if (view.best.kind === "minimise") return "Smallest";
+  return SPEEDS.has(view.output) ? CHIPS[chip].title : "Largest";
+}
+
 function chipOf({ isRobust, limits }) {
   if (isRobust) return "robust";
   return withoutLevel(limits).length < limits.length ? "still" : "fastest";
@@ -176,7 +185,7 @@ export class Optimum {
         element(
           "button",
           { type: "button", class: "chip", id: `chip-${chip}`, "aria-pressed": String(chip === chosen), title: state.reason || null, onclick: () => this.choose(chip) },
-          element("b", {}, CHIPS[chip].title),
+          element("b", {}, titleOf(chip, view)),
           ` ${value(state)}`,
         ),
       ),

@@ -11,9 +11,10 @@ const TOLD = ["conveying_velocity", "hop_height", "throw_number"];
 
 export class Pins {
   // `onpins(pins)` hears of other pins, `onshow(values)` of one that is to be the design.
-  constructor(host, { onpins, onshow }) {
+  constructor(host, { onpins, onshow, persist }) {
     this.host = host;
     this.onpins = onpins;
+    this.persist = persist;
     this.onshow = onshow;
     this.known = new Map(); // study as text -> promise of what a part does there
   }
@@ -41,7 +42,7 @@ export class Pins {
     const text = JSON.stringify([view.scene, view.kind, view.choice, values]);
     if (!this.known.has(text)) {
       const own = givenValues({ ...view, values });
-      const asked = design(view, scene, {}, { values: own }).catch((error) => {
+      const asked = this.persist(() => design(view, scene, {}, { values: own })).catch((error) => {
         this.known.delete(text);
         if (error instanceof Refusal) return null;
         throw error;

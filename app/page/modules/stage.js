@@ -248,7 +248,7 @@ export class Stage {
       drawn("path", { d: `M${pivot} ${floor}L${tip[0]} ${tip[1]}`, class: "vibration" }),
       drawn("path", { d: `M${pivot + radius} ${floor}A${radius} ${radius} 0 0 ${beta < 0 ? 1 : 0} ${pivot + radius * dx} ${floor + radius * dy}`, class: "vibration thin plain" }),
       this.ball,
-      drawn("text", { x: tip[0] - 10, y: tip[1] - (this.dragged ? 40 : 24), "text-anchor": "middle", class: "blue label" }, isNarrow || this.dragged ? told : withUnit(amplitude, "m", 3)),
+      drawn("text", { x: isNarrow ? Math.max(96, tip[0] + 6) : tip[0] - 10, y: tip[1] - (this.dragged ? 40 : 20), "text-anchor": isNarrow ? "end" : "middle", class: "blue label" }, isNarrow || this.dragged ? told : withUnit(amplitude, "m", 3)),
       ...(isNarrow || this.dragged ? [] : [drawn("text", { x: pivot + radius + 8, y: floor - 7, class: "blue label" }, `${number(beta, 3)}°`)]),
     ];
   }

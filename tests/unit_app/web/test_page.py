@@ -7,6 +7,7 @@ import hashlib
 import importlib
 import mimetypes
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -43,6 +44,17 @@ def test_the_page_runs_scripts_of_its_own_files_only(client):
     for path in ("/", "/docs"):
         text = client.get(path, headers=BROWSER).text
         assert not re.search(r"<script(?![^>]*\bsrc=)|<style|\son[a-z]+=|\sstyle=", text)
+
+
+def test_a_wheel_with_a_bundle_sends_it_in_place_of_the_entry(tmp_path, monkeypatch):
+    folder = tmp_path / "page"
+    shutil.copytree(PAGE, folder)
+    (folder / "bundle.js").write_text("// all modules")
+    monkeypatch.setattr(page, "FILES", folder)
+    monkeypatch.setattr(page, "BUNDLE", folder / "bundle.js")
+    client = local_client(create_app(Settings(data_directory=tmp_path / "data")))
+    assert client.get("/page/modules/main.js").text == "// all modules"
+    assert "import" in client.get("/page/modules/answers.js").text
 
 
 def test_the_page_needs_no_key_and_what_it_asks_does(tmp_path):
