@@ -84,7 +84,7 @@ STATES = (
     ),
     State("resting", "question=resting", (("#answer .answer", "65"), ("#aspects", "On end"))),
     State(
-        "springs", "question=springs", (("#answer .answer", "1.04"), ("#resonance canvas", None))
+        "springs", "question=springs", (("#answer .answer", "1.04"), ("#resonance path.line", None))
     ),
     State(
         "trade-off",

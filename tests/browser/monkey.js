@@ -67,7 +67,7 @@
       heard(choice, "change");
     },
     point({ places: [x, y] }) {
-      const [map] = all("#host .map, #host .u-over");
+      const [map] = all("#host .map, #host .curves");
       if (!map) return;
       const box = map.getBoundingClientRect();
       const at = { clientX: box.x + x * box.width, clientY: box.y + y * box.height, bubbles: true };

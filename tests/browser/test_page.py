@@ -142,7 +142,7 @@ def test_friction_is_chosen_from_published_values_with_its_range(page: Page, add
     expect(page.locator("#part summary")).to_contain_text("steel on steel")
     assert page.locator("#value-friction").input_value() == "0.29"
     settled(page)
-    page.locator("#picture .u-over").hover()
+    page.locator("#picture .curves").hover()
     expect(page.locator("#picture .said")).to_have_text(re.compile(r"\(.* to .*\)"))
     typed(page, "#value-friction", "0.3")
     expect(page.locator("#part summary")).not_to_contain_text("steel on steel")

@@ -39,7 +39,7 @@ function ends(low, high, unit, digits = 2) {
 }
 
 // The sentence of a band: "42 to 57 mm/s for friction 0.2 to 0.4".
-export function bandTold({ name, low, high, from, to }, unit, parameterUnit) {
+function bandTold({ name, low, high, from, to }, unit, parameterUnit) {
   return `${ends(low, high, unit)} for ${words(name).replace(" coefficient", "")} ${ends(from, to, parameterUnit)}`;
 }
 

@@ -22,10 +22,11 @@ function sizeOf({ length, width, height, diameter, small_diameter: small }, aspe
 function boxDrawn(values, aspect) {
   const [along, deep, tall] = sizeOf(values, aspect);
   const isRound = values.diameter !== undefined;
+  const svg = drawn("svg", { viewBox: `0 0 ${ROOM.wide} ${ROOM.tall}`, class: "aspect", "aria-hidden": "true" });
+  if (![along, deep, tall].every(Number.isFinite)) return { svg, tall: NaN }; // a shape that is not drawn
   const reach = Math.max(...[values.length, values.width, values.height, values.diameter].filter(Boolean));
   const scale = Math.min(110 / reach, 96 / reach);
   const [w, h, d] = [along * scale, tall * scale, deep * scale * DEPTH];
-  const svg = drawn("svg", { viewBox: `0 0 ${ROOM.wide} ${ROOM.tall}`, class: "aspect", "aria-hidden": "true" });
   const [x, y] = [(ROOM.wide - w - d) / 2, ROOM.tall - 12];
   svg.append(drawn("path", { d: `M8 ${y}H${ROOM.wide - 30}l22 -22H${x + d}Z`, class: "ground" }));
   if (isRound && aspect === "on_side") {
@@ -75,7 +76,7 @@ export class Aspects {
         return element(
           "button",
           { type: "button", class: "aspect-card", "aria-pressed": String(isWanted), onclick: () => this.onwant(`let_down_share_${name}`) },
-          element("span", { class: "head" }, element("b", {}, capital(liesTold(name).replace(/^(lie|stand|rest as) /, ""))), element("small", {}, `${isWanted ? "wanted, " : ""}${withUnit(tall, "m", 3)} high`)),
+          element("span", { class: "head" }, element("b", {}, capital(liesTold(name).replace(/^(lie|stand|rest as) /, ""))), element("small", {}, `${isWanted ? "wanted, " : ""}${Number.isFinite(tall) ? `${withUnit(tall, "m", 3)} high` : ""}`)),
           svg,
           element("span", { class: "share" }, range),
           bar,

@@ -17,7 +17,7 @@ const TEXTS = {
 };
 
 // A service with keys wants one; a file that is passed on holds none.
-export function withKey(command) {
+function withKey(command) {
   return command.replace(/^curl /, 'curl -H "Authorization: Bearer $VIBRAFEED_KEY" ');
 }
 

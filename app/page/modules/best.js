@@ -37,7 +37,7 @@ export function completeBest(view, scene) {
 }
 
 // The outputs that a study tells besides its criterion: those where something begins at a level.
-export function levelled(view, scene) {
+function levelled(view, scene) {
   const known = givenNames(view, scene);
   return scene.outputs.filter(
     ({ name, level, required }) =>

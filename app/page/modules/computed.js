@@ -64,7 +64,7 @@ function outputsOf(view, scene, isList) {
   return [...new Set([view.output, ...found])].slice(0, MAX_SWEPT);
 }
 
-export function designStudy(view, scene, { isList = false, values = null, hasPath = false } = {}) {
+function designStudy(view, scene, { isList = false, values = null, hasPath = false } = {}) {
   const parameters = values ?? givenValues(view);
   return { ...studyWith(view, outputsOf(view, scene, isList), parameters), ...(hasPath && scene.trajectory ? { trajectory: 400 } : {}) };
 }

@@ -44,7 +44,7 @@ export function svgDocument(parts, { width, height, style, told, bar = null, reg
 }
 
 // Lines of at most so many letters, broken at commas.
-export function wrapped(text, most) {
+function wrapped(text, most) {
   const lines = [""];
   for (const part of text.split(/(?<=, )/)) {
     if (lines.at(-1) && lines.at(-1).length + part.length > most) lines.push("");

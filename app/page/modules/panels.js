@@ -3,7 +3,7 @@
 
 import { MODES, PARTS, cycleOf } from "./course.js";
 import { drawn, fill } from "./elements.js";
-import { beside, capital, number, shown } from "./words.js";
+import { capital, number, shown } from "./words.js";
 
 const PANEL = 88; // px
 const CURVE = 60; // px, of its height
@@ -126,7 +126,7 @@ export class Panels {
     const size = factor * Math.max(Math.abs(low), Math.abs(high));
     const tall = this.tall * PANEL - (PANEL - CURVE);
     const up = (value) => top + tall - ((value - low) / (high - low || 1)) * tall;
-    const end = (value) => drawn("text", { x: LEFT - 8, y: up(value) + 4, "text-anchor": "end" }, beside(size, value * factor));
+    const end = (value) => drawn("text", { x: LEFT - 8, y: up(value) + 4, "text-anchor": "end" }, number(value * factor, 2, size));
     const zero = low < 0 && high > 0 ? [drawn("line", { x1: LEFT, x2: this.width - RIGHT, y1: up(0), y2: up(0), class: "level" })] : [];
     return [
       drawn("text", { x: LEFT, y: top - 6, class: "pale" }, `${capital(name)}, ${unitShown}`),

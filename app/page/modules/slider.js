@@ -6,7 +6,7 @@ import { numberInput } from "./fields.js";
 import { unusual, usual } from "./view.js";
 import { capital, number, shown, withUnit, words } from "./words.js";
 
-const NAMES = { beta: "Angle of vibration", gamma: "Climb of the track", friction: "Friction", load_mass: "Load" };
+const NAMES = { beta: "Angle of vibration", gamma: "Climb of the track", friction: "Friction", load_mass: "Load", ring_down_frequency: "Springs tuned to", arrival_rate: "Arriving", wiper_height_1: "Wiper" };
 
 export function nameOf(name) {
   return NAMES[name] ?? capital(words(name));

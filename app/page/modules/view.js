@@ -10,7 +10,7 @@ const MAX_CHARACTERS = 4000;
 
 const MAX_RUNS = 50;
 export const MAX_PINS = 4;
-export const KINDS = ["simulate", "sweep"];
+const KINDS = ["simulate", "sweep"];
 
 /**
  * @typedef {{name: string, from: number, to: number}} Axis

@@ -36,13 +36,6 @@ export function number(value, digits = 4, size = 0) {
   return text.replace("-", "\u2212");
 }
 
-// As many decimals as three digits of `size` have: values of one picture, beside each other.
-export function beside(size, value) {
-  const decimals = Math.max(0, Math.min(9, 2 - Math.floor(Math.log10(Math.abs(size) || 1))));
-  const text = value.toFixed(decimals);
-  return Number(text) === 0 ? "0" : text.replace("-", "\u2212");
-}
-
 export function withUnit(value, unit, digits = 4) {
   const [factor, name] = shown(unit);
   const gap = name === "" || name === "°" ? "" : "\u00a0";
