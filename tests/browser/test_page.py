@@ -33,7 +33,7 @@ ANSWERS = {
     "drive": ("300", "300 mm/s for friction 0.2 to 0.4; hops 0.63"),
     "uncertain": ("41 to 58", "For friction 0.2 to 0.4; the friction coefficient matters most"),
     "measured": ("0.27", "with 95 %; the measured speeds differ from the curve by"),
-    "waves": ("56", "Slides."),
+    "waves": ("56", "times the speed with a sine of the same amplitudes; slides."),
     "springs": ("1.04", "At 50\u00a0Hz; the springs are tuned to 52"),
     "rows": ("22.3", "3 platoons, the rear one of 1 part"),
     "resting": ("65 %", "65 to 86 % by two estimates."),

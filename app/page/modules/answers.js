@@ -50,11 +50,12 @@ function hopTold({ dataset, scene }) {
   return DOES[regime] ?? scene.regimes.find(({ name }) => name === regime)?.description ?? words(regime);
 }
 
-function speed({ view, scene, dataset, band, unitOf }) {
+function speed({ view, scene, dataset, band, sine, unitOf }) {
   const value = valueOf(dataset, view.output);
   const unit = unitOf(view.output);
   const parts = [];
   if (band) parts.push(bandTold(band, unit, unitOf(band.name)));
+  if (sine) parts.push(`${number(value / sine, 2)} times the speed with a sine of the same amplitudes`);
   parts.push(hopTold({ dataset, scene }));
   return { ...told(value, unit), sentence: parts.join("; "), strip: band && { ...band, value, unit } };
 }

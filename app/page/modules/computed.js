@@ -77,6 +77,14 @@ export async function design(view, scene, { signal, tell } = {}, more = {}) {
   return { dataset, seconds };
 }
 
+// The same speed with a sine of the amplitudes of an ellipse; null of other drives.
+/** @param {View} view @param {any} scene @param {How} how */
+export async function sineOf(view, scene, { signal } = {}) {
+  const { amplitude_along_1: along, amplitude_normal_1: normal, phase_normal_1: _, ...others } = givenValues(view);
+  const parameters = { ...others, amplitude: Math.hypot(along, normal), beta: (Math.atan2(normal, along) * 180) / Math.PI };
+  return valueOf((await carryOut(view.kind, studyWith(view, [view.output], parameters), { signal })).dataset, view.output);
+}
+
 export function valueOf(dataset, name) {
   return dataset?.variables[name]?.data ?? null;
 }

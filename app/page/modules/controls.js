@@ -49,7 +49,9 @@ export class Controls {
       element("div", { class: "sliders" }, ...bounds, ...first.map((one) => this.slider(one))),
       this.partMenu(),
     );
-    this.tellExpert(scenes, parameters.filter(({ name }) => !this.first.has(name) && !this.inMenu.has(name)));
+    // A place of a line without a device has no turn.
+    const isEmpty = (name) => /^turn_\d$/.test(name) && !Object.keys(view.values).some((one) => !/^(turn|drop_count)/.test(one) && one.endsWith(name.slice(4)));
+    this.tellExpert(scenes, parameters.filter(({ name }) => !this.first.has(name) && !this.inMenu.has(name) && !isEmpty(name)));
   }
 
   bounds(axis) {

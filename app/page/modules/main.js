@@ -5,7 +5,7 @@ import { Aspects } from "./aspects.js";
 import { Away } from "./away.js";
 import { completeBest } from "./best.js";
 import { Catalogue } from "./catalogue.js";
-import { Source, bandAt, design, valueOf } from "./computed.js";
+import { Source, bandAt, design, sineOf, valueOf } from "./computed.js";
 import { Controls } from "./controls.js";
 import { courseOf, modeAt, MODES, platoonsAt } from "./course.js";
 import { Curves } from "./curves.js";
@@ -83,6 +83,8 @@ class Page {
     );
     const isBanded = (view) => view.kind === "simulate" && Boolean(view.band) && view.band.name in view.values;
     this.band = derived((view) => (isBanded(view) ? designOf(view) : null), bandAt);
+    const hasSine = (view) => view.question === "waves" && view.set === "ellipse" && view.output === "conveying_velocity" && store.held.value === null;
+    this.sine = derived((view) => (hasSine(view) ? designOf({ ...view, band: null }) : null), sineOf);
     const isCoarse = (view) => store.held.value !== null && view.kind === "simulate";
     this.map = derived((view) => pictureOf({ ...view, band: null }) + (isCoarse(view) ? COARSE : ""), (view, scene, how) => source.map(view, scene, how));
     const isDrawn = (view) => this.map.state.value.status === "ready" && this.map.state.value.of === pictureOf({ ...view, band: null });
@@ -219,12 +221,14 @@ class Page {
     const isBand = band.status === "ready" || band.isLate === false;
     const matters = this.matters.state.value.value;
     const waiting = this.notice.away.value;
+    const { status, value } = this.sine.state.value;
+    const sine = status === "ready" ? value : null;
     let answer = null;
     let shown = state;
     if (fit && fit.status !== "none") {
       shown = fit;
       answer = fit.value ? fitTold(fit.value, scene) : null;
-    } else if (found) answer = answerTo({ view, scene, dataset: found.dataset, band: isBand ? band.value : null, matters });
+    } else if (found) answer = answerTo({ view, scene, dataset: found.dataset, band: isBand ? band.value : null, matters, sine });
     if (view.question === "drive" && answer) answer = { ...answer, strip: null, unit: `${answer.unit}${this.optimum.gain(view, valueOf(found.dataset, view.output))}` };
     untracked(() => {
       this.headline.show(shown, answer, { odd: this.oddity(view, scene), actions: this.actionsFor(view, shown, fit, waiting), waiting });

@@ -50,6 +50,6 @@ def install(app: FastAPI) -> None:
     """Add the routes of the documentation page and the files of both pages."""
     app.add_api_route("/docs", docs, methods=["GET", "HEAD"], include_in_schema=False)
     if BUNDLE.exists():
-        paths = {"methods": ["GET", "HEAD"], "include_in_schema": False}
-        app.add_api_route(f"/{NAME}/modules/main.js", bundle, **paths)
+        entry = f"/{NAME}/modules/main.js"
+        app.add_api_route(entry, bundle, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount(f"/{NAME}", StaticFiles(directory=FILES), name=NAME)
