@@ -73,6 +73,20 @@ def test_handles_are_moved_by_keys_and_escape_undoes_a_drag(page: Page, address:
     expect(page.locator(NUMBER)).to_have_text(speed)
 
 
+def test_the_path_of_an_ellipse_is_a_handle(page: Page, address: str) -> None:
+    opened(page, f"{address}/#question=waves")
+    path = page.get_by_role("slider", name=re.compile("Line of vibration"))
+    x, y = middle(path.locator(".knob"))
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 20, y - 10, steps=4)
+    page.mouse.up()
+    settled(page)
+    assert value(page, "amplitude_along_1") > 0.32
+    assert value(page, "amplitude_normal_1") > 0.09
+    expect(page.locator(NUMBER)).not_to_have_text("56")
+
+
 def test_the_track_is_tilted(page: Page, address: str) -> None:
     opened(page, address)
     slope = page.get_by_role("slider", name="Climb of the track")

@@ -1,6 +1,6 @@
 // The page: a question, its answer, the pictures and fields of it, and what can be taken away.
 
-import { answerTo } from "./answers.js";
+import { answerTo, liesTold } from "./answers.js";
 import { Aspects } from "./aspects.js";
 import { Away } from "./away.js";
 import { completeBest } from "./best.js";
@@ -39,7 +39,7 @@ import { capital, duration, learn, valuesTold, words } from "./words.js";
 
 // What of a view asks for other fields, or another picture.
 const OPENED_ANEW = ["kind", "scene", "choice", "set", "recording", "output", "x", "y", "band"];
-const SECTIONS = ["chips", "waves", "stage", "picture", "detail", "beside", "aspects", "matters", "measured", "resonance", "devices", "figures", "values", "optimum"];
+const SECTIONS = ["chips", "waves", "stage", "picture", "detail", "beside", "aspects", "matters", "measured", "resonance", "devices", "onward", "figures", "values", "optimum"];
 const TABS = { stage: "Part", picture: "Map", detail: "Time" };
 const LISTED = new Set(["thesis", "all"]);
 const CALM = 300; // ms in which nothing is changed, before borders are looked for
@@ -335,7 +335,7 @@ class Page {
       for (const id of ["stage", "detail", "resonance"]) byId(id).classList.toggle("stale", state.isLate);
       const hop = valueOf(dataset, "hop_height");
       const ends = Object.fromEntries(
-        ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "gamma"]
+        ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "gamma", "amplitude_along_1", "amplitude_normal_1"]
           .map((name) => scene.parameters.find((one) => one.name === name))
           .filter((one) => one && one.name in view.values)
           .map((one) => [one.name, endsOf(view, one)]),
@@ -346,13 +346,29 @@ class Page {
       this.player.show(course, state.isLate || (isHeld && !isOf));
       this.drawPanels();
       this.controls.lift(isOf && view.kind === "simulate" ? valueOf(dataset, "throw_number") : null);
-      if (view.question === "resting") this.aspects.show(view, dataset, state.isLate);
+      if (view.question === "resting") {
+        this.aspects.show(view, dataset, state.isLate);
+        this.tellOnward(view, isOf ? valueOf(dataset, view.output) : null);
+      }
       if (LISTED.has(view.question)) tellValues(byId("values"), scene, dataset, state.isLate);
       if (view.question === "orienting") {
         tellDevices(byId("devices"), view, scene, { onadd: (name) => this.controls.add(name), onremove: (name) => this.controls.remove(name) });
       }
       tellSheet(byId("sheet"), { view, scene, dataset, version: byId("version").textContent });
     });
+  }
+
+  // What a line would make of the part.
+  tellOnward(view, share) {
+    const { length, width, height } = view.values;
+    byId("onward").hidden = !(share >= 0) || view.choice !== "box" || !view.output.includes("_share_");
+    const line = begun("orienting");
+    const open = () => this.open({ ...line, values: { ...line.values, length, width, height } }, { isStep: true });
+    fill(
+      byId("onward"),
+      element("p", {}, `One part a second arrives: ${Math.round(60 * share)} a minute ${liesTold(view.output.replace(/^.*_share_/, ""))}.`),
+      element("button", { type: "button", onclick: open }, "What leaves my line?"),
+    );
   }
 
   courseOf(dataset) {

@@ -52,7 +52,7 @@ export const QUESTIONS = {
       values: { length: 0.03, width: 0.02, height: 0.01 },
     },
     main: ["aspects"],
-    side: ["picture"],
+    side: ["picture", "onward"],
     sliders: ["length", "width", "height", "diameter", "small_diameter"],
   },
   drive: {

@@ -118,6 +118,17 @@ export class Stage {
     this.across = across;
   }
 
+  // Whether the drive is an ellipse, whose two amplitudes are one handle.
+  isEllipse() {
+    const { values } = this.shown.view;
+    return "amplitude_along_1" in values && "amplitude_normal_1" in values;
+  }
+
+  // The middle of the closed path of a track, above its floor.
+  middle() {
+    return this.floor - 0.16 * this.size.height;
+  }
+
   amplitude() {
     const { values } = this.shown.view;
     if (!("beta" in values)) return null;
@@ -132,7 +143,7 @@ export class Stage {
     const tilt = Math.max(-STEEP, Math.min(STEEP, slope));
     const transform = `rotate(${-tilt} ${width / 2} ${this.floor})`;
     this.tilted.setAttribute("transform", transform);
-    this.vibration.toggleAttribute("hidden", this.amplitude() === null);
+    this.vibration.toggleAttribute("hidden", this.amplitude() === null && !this.isEllipse());
     this.slope.toggleAttribute("hidden", !("gamma" in view.values));
     const turning = drawn("g", { transform });
     this.moving = drawn("g", { class: "moving" });
@@ -142,7 +153,7 @@ export class Stage {
     const enlarged = this.enlarged > 1 ? `movement ${this.enlarged} times enlarged` : "movement to scale";
     const isNarrow = width < 430;
     parts.push(drawn("text", { x: isNarrow ? 12 : width - 16, y: this.size.height - 6, "text-anchor": isNarrow ? "start" : "end", class: "pale" }, course ? (isNarrow ? enlarged : `Part to scale, its ${enlarged}`) : "Part to scale, at rest"));
-    if (!isNarrow && this.amplitude() !== null) {
+    if (!isNarrow && !this.vibration.hasAttribute("hidden")) {
       parts.push(drawn("text", { x: 16, y: this.size.height - 6, class: "pale" }, "Drag a blue handle, or turn a slider."));
     }
     fill(this.scenery, ...parts);
@@ -222,8 +233,14 @@ export class Stage {
     const amplitude = this.amplitude();
     if (amplitude === null) {
       if (!course) return [];
-      const points = course.trackAlong.map((x, i) => `${(pivot + x * this.moved).toFixed(1)},${(floor - 0.16 * this.size.height - course.trackNormal[i] * this.moved).toFixed(1)}`);
+      const points = course.trackAlong.map((x, i) => `${(pivot + x * this.moved).toFixed(1)},${(this.middle() - course.trackNormal[i] * this.moved).toFixed(1)}`);
       this.ball = drawn("circle", { r: 5, class: "ball" });
+      if (this.isEllipse()) {
+        const [along, normal] = [view.values.amplitude_along_1, view.values.amplitude_normal_1];
+        this.vibration.setAttribute("transform", `translate(${pivot + along * this.moved} ${this.middle() - normal * this.moved})`);
+        this.vibration.setAttribute("aria-valuenow", String(along * 1000));
+        this.vibration.setAttribute("aria-valuetext", `${withUnit(along, "m", 3)} along, ${withUnit(normal, "m", 3)} off the floor`);
+      }
       return [
         drawn("polyline", { points: points.join(" "), class: "vibration" }),
         this.ball,
@@ -283,7 +300,7 @@ export class Stage {
     const now = time + course.times[0];
     const here = (values) => between(course, values, now);
     if (this.ball) {
-      const lift = this.amplitude() === null ? 0.16 * this.size.height : 0;
+      const lift = this.amplitude() === null ? this.floor - this.middle() : 0;
       this.ball.setAttribute("cx", this.pivot + here(course.trackAlong) * this.moved);
       this.ball.setAttribute("cy", this.floor - lift - here(course.trackNormal) * this.moved);
     }
@@ -346,14 +363,25 @@ export class Stage {
     this.onmove(patch, how);
   }
 
+  // Both amplitudes of an ellipse.
+  moveEllipse(along, normal, how) {
+    this.onmove({ amplitude_along_1: this.limited("amplitude_along_1", along), amplitude_normal_1: this.limited("amplitude_normal_1", normal) }, how);
+  }
+
   dragLine(event) {
     const [x, y] = this.under(event);
+    if (this.amplitude() === null) return this.moveEllipse(Math.abs(x), Math.abs(y - (this.floor - this.middle()) / this.moved), { isOver: false });
     this.moveLine(Math.hypot(x, y), Math.atan2(y, x) / RADIANS, { isOver: false });
   }
 
   keyLine(key, times) {
     const step = { ArrowRight: [1e-5, 0], ArrowLeft: [-1e-5, 0], ArrowUp: [0, 0.5], ArrowDown: [0, -0.5] }[key];
     if (!step) return false;
+    if (this.amplitude() === null) {
+      const { amplitude_along_1: along, amplitude_normal_1: normal } = this.shown.view.values;
+      this.moveEllipse(along + step[0] * times, normal + 1e-5 * step[1] * times, { isOver: true });
+      return true;
+    }
     this.moveLine(this.amplitude() + step[0] * times, this.shown.view.values.beta + step[1] * times, { isOver: true });
     return true;
   }
