@@ -64,6 +64,8 @@ def test_bounds_are_those_of_the_search(page: Page, address: str) -> None:
     largest.press("Enter")
     settled(page)
     expect(page.locator("#best-told")).to_contain_text("at its bound of 0.6\u00a0mm")
+    expect(page.locator(NUMBER)).not_to_have_text("300")
+    settled(page)
     assert float(page.locator(NUMBER).inner_text()) < 300
 
 

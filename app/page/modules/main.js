@@ -52,6 +52,7 @@ class Page {
     this.catalogue = new Catalogue((path) => this.notice.persist(() => get(path)));
     this.source = new Source();
     this.isReady = false; // the service has said what scenes there are
+    this.isStepped = false; // a step of this page can be undone by going back
     this.asked = null; // a question that was chosen before
     this.opening = null; // what is being opened
     this.drawn = null; // the values that are drawn, what they are of, and what is drawn with them
@@ -248,7 +249,7 @@ class Page {
     if (state.status === "asking") return [{ text: "Compute it", onclick: () => this.fit.again({ isAgreed: true }) }];
     if (state.status !== "failed") return [];
     if (state.reason === "Cancelled.") return [{ text: "Compute", onclick: () => (fit ? this.fit : this.answer).again() }];
-    return [{ text: "Go back", onclick: () => history.back() }];
+    return [this.isStepped ? { text: "Go back", onclick: () => history.back() } : { text: "Begin anew", onclick: () => this.ask(view.question) }];
   }
 
   // A sentence about the first value outside of what is usual.
@@ -641,6 +642,7 @@ class Page {
     this.link = toLink(this.view);
     this.keptView = this.view;
     if (this.link === location.hash) return;
+    this.isStepped ||= isStep;
     if (isStep) history.pushState(null, "", this.link);
     else history.replaceState(null, "", this.link);
   }

@@ -216,12 +216,12 @@ export class Optimum {
     if (all.length > 1) this.tellFront(view, all);
     else this.hosts.front.hidden = true;
     if (!best || this.isKept) return;
-    const from = { ...view.values };
     const moved = Object.fromEntries(Object.entries(best.at).filter(([name]) => name in view.values));
     queueMicrotask(() => {
-      if (this.store.view.value !== view) return;
-      this.setView({ values: { ...view.values, ...moved } }, { isStep: false });
-      this.fly(from, moved);
+      const { value: now } = this.store.view;
+      if (now.question !== "drive" || this.chosen(now).value.of !== this.applied) return;
+      this.setView({ values: { ...now.values, ...moved } }, { isStep: false });
+      this.fly(now.values, moved);
     });
   }
 
