@@ -28,9 +28,9 @@ window.drawn = [];
     for (let i = 0; i < words.length; i++) sum = (Math.imul(sum, 31) + words[i]) | 0;
     if (sum === before) return;
     before = sum;
-    const size = [image.width, image.height];
     // The frame in which it is seen: two pictures within one are one.
     requestAnimationFrame((at) => {
+      const size = document.querySelector("#host .map").dataset.size.split(" x ").map(Number);
       if (window.drawn.at(-1)?.at !== at) window.drawn.push({ at, size });
     });
   };
@@ -45,7 +45,7 @@ MOTION = (
     "&x=amplitude:0.0001:0.001&y=beta:5:60&p.frequency=50&p.friction={friction}"
 )
 FINISHED = """() =>
-  document.getElementById("progress")?.textContent.startsWith("Shown after") &&
+  document.getElementById("progress")?.textContent === "Shown." &&
   document.getElementById("picture").getAttribute("aria-busy") === "false"
 """
 
@@ -60,6 +60,7 @@ def dragged(page: Any, address: str, *, steps: int = 150) -> tuple[float, tuple[
     page.goto("about:blank")
     page.goto(address + CLOSED)
     finished(page)
+    page.locator("#expert > summary").click()
     slider = page.get_by_label("Drive azimuth, slider")
     slider.scroll_into_view_if_needed()
     box = slider.bounding_box()
@@ -89,6 +90,7 @@ def moved(page: Any, address: str, friction: float) -> tuple[float, tuple[int, i
     page.goto("about:blank")
     page.goto(address + MOTION.format(friction=0.3))
     finished(page)
+    page.locator("#part > summary").click()
     page.evaluate(
         """() => {
           document.getElementById("value-friction").addEventListener("change", () => {

@@ -71,7 +71,7 @@ def test_a_request_is_one_line(client, lines):
     [
         ("GET", "/sweeps/abc/netcdf", "/sweeps/{key}/netcdf", 404),
         ("HEAD", "/sweeps/abc/zarr/x/zarr.json", "/sweeps/{key}/zarr/{path}", 404),
-        ("POST", "/processes/simulate/execution", "/processes/simulate/execution", 422),
+        ("POST", "/processes/simulate/execution", "/processes/{process}/execution", 422),
         ("DELETE", "/scenes", "/scenes", 405),
         ("GET", "/private/words", "(none)", 404),
         ("GET", "/static-offline-docs/swagger-ui.css", "/static-offline-docs/{path}", 200),
