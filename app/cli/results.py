@@ -82,7 +82,7 @@ def show_result(
         show_findings(result, units)
         return
     # Of one infeasible cell it would be a table of dashes.
-    if facts["outputs"] and (facts["cells"] > 1 or not is_infeasible(result)):
+    if result.variables and (facts["cells"] > 1 or not is_infeasible(result)):
         _show_values(facts, result, units, everything=everything)
     if "message" in facts:
         say(f"  {facts['criterion']}, method {facts['method']}")
