@@ -8,6 +8,7 @@ is empty where a page is loaded. A picture counts when new data of it are drawn.
 
 from __future__ import annotations
 
+import gzip
 import statistics
 from typing import Any
 
@@ -110,17 +111,24 @@ def moved(page: Any, address: str, friction: float) -> tuple[float, tuple[int, i
 
 
 def loaded(page: Any, address: str) -> tuple[float, float, float]:
-    """Return the times to the first and the complete picture of a cold load, and its kB."""
+    """Return the times to the first and the complete picture of a cold load, and its kB.
+
+    The bytes are those that a proxy sends, which compresses replies.
+    """
     session = page.context.new_cdp_session(page)
     session.send("Network.setCacheDisabled", {"cacheDisabled": True})
     session.send("Network.enable")
-    sizes: list[float] = []
-    session.on("Network.loadingFinished", lambda event: sizes.append(event["encodedDataLength"]))
+    replies: list[str] = []
+    session.on("Network.loadingFinished", lambda event: replies.append(event["requestId"]))
     page.goto(f"{address}/")
     finished(page)
     first, last = page.evaluate("[window.drawn[0].at, window.drawn.at(-1).at]")
+    size = 0
+    for reply in replies:
+        body = session.send("Network.getResponseBody", {"requestId": reply})
+        size += len(gzip.compress(body["body"].encode()))
     session.detach()
-    return first / 1000, last / 1000, sum(sizes) / 1000
+    return first / 1000, last / 1000, size / 1000
 
 
 def opened(context: Any) -> Any:

@@ -73,7 +73,7 @@ def test_pictures_come_and_follow_and_little_is_loaded(page, address):
     _, _, kilobytes = loaded(page, address)
     frames, slice_ = dragged(page, address, steps=count(20, 40, "VIBRAFEED_DRAG_STEPS"))
     _, map_ = moved(page, address, friction=0.35)
-    assert kilobytes < 400
+    assert kilobytes < 330
     assert (slice_, map_) == ((200, 200), (100, 100))
     assert frames > 0
 

@@ -38,8 +38,8 @@ MOTION = {
     "outputs": ["conveying_velocity", "flight_fraction"],
     "parameters": {
         "frequency": 40,
-        "amplitude": {"start": "0.05 mm", "stop": "0.75 mm", "num": 41},
-        "beta": {"start": 5, "stop": 60, "num": 41},
+        "amplitude": {"start": "0.05 mm", "stop": "0.75 mm", "num": 151},
+        "beta": {"start": 5, "stop": 60, "num": 151},
         "friction": 0.4,
         "restitution": 0.3,
     },
