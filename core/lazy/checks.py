@@ -1,6 +1,6 @@
 """Checks of `[reduce]`: problems, each with its path in the study."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.plan.grid import Grid
@@ -28,24 +28,11 @@ def problems_of_names(
     values : mapping of str to Values
         Its parameters, of which those with several values are axes.
     """
-    axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
     numbers = [name for name in outputs if name not in FLAGS]  # a mean of codes says nothing
-    axis, number = "an axis of this study", "a numeric output of this study"
-    named = [(f"over.{k}", name, axis, axes) for k, name in enumerate(asked.over)]
-    named += [(f"of.{k}", name, number, numbers) for k, name in enumerate(asked.of)]
-    for key, level in asked.levels.items():
-        named.append((f"levels.{key}.output", level.output, number, numbers))
-        named.append((f"levels.{key}.along", level.along, "an axis in reduce.over", [*asked.over]))
-    for key, conditions in asked.shares.items():
-        named += [
-            (f"shares.{key}.{k}", condition.name, "an output of this study", [*outputs])
-            for k, condition in enumerate(conditions)
-            if not condition.is_regime
-        ]
     suggest = Suggestions()
     problems = [
         Problem(f"reduce.{place}", f"'{name[:60]}' is not {what}", suggest(name, known))
-        for place, name, what, known in named
+        for place, name, what, known in _names(asked, numbers, outputs, values)
         if name not in known
     ]
     problems += [
@@ -58,6 +45,24 @@ def problems_of_names(
         fix = "Give statistics, quantiles, regimes, shares or levels"
         problems.append(Problem("reduce", "no statistic is requested", fix))
     return problems
+
+
+def _names(
+    asked: Reduction, numbers: Sequence[str], outputs: Collection[str], values: Mapping[str, Values]
+) -> Iterator[tuple[str, str, str, Sequence[str]]]:
+    """Yield each name with its place, what it has to be, and the names that are."""
+    axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
+    for k, name in enumerate(asked.over):
+        yield f"over.{k}", name, "an axis of this study", axes
+    for k, name in enumerate(asked.of):
+        yield f"of.{k}", name, "a numeric output of this study", numbers
+    for key, level in asked.levels.items():
+        yield f"levels.{key}.output", level.output, "a numeric output of this study", numbers
+        yield f"levels.{key}.along", level.along, "an axis in reduce.over", asked.over
+    for key, conditions in asked.shares.items():
+        for k, condition in enumerate(conditions):
+            if not condition.is_regime:
+                yield f"shares.{key}.{k}", condition.name, "an output of this study", [*outputs]
 
 
 def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
@@ -81,10 +86,14 @@ def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
     known = {verdict.name: verdict.regimes for verdict in plan.verdicts}
     for share, conditions in asked.shares.items():
         for k, condition in enumerate(conditions):
-            regimes = known.get(condition.name, ("no regime of that name",))
+            regimes = known.get(condition.name, ())
             if condition.is_regime and condition.value not in regimes:
                 message = f"no cell of this study has a {condition.name} of '{condition.value}'"
-                fix = f"It can be in {', '.join(regimes)}"
+                fix = (
+                    f"It can be {', '.join(regimes)}"
+                    if regimes
+                    else f"Name one of {', '.join(known)}"
+                )
                 yield Problem(f"reduce.shares.{share}.{k}", message, fix)
 
 
