@@ -89,11 +89,8 @@ def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
             regimes = known.get(condition.name, ())
             if condition.is_regime and condition.value not in regimes:
                 message = f"no cell of this study has a {condition.name} of '{condition.value}'"
-                fix = (
-                    f"It can be {', '.join(regimes)}"
-                    if regimes
-                    else f"Name one of {', '.join(known)}"
-                )
+                there = ", ".join(regimes or known)
+                fix = f"It can be in {there}" if regimes else f"Name one of {there}"
                 yield Problem(f"reduce.shares.{share}.{k}", message, fix)
 
 
