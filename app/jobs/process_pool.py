@@ -216,7 +216,8 @@ class _Process:
         """Start a process, with the method that every system has."""
         spawn = multiprocessing.get_context("spawn")
         self._connection, there = spawn.Pipe()
-        self._process = spawn.Process(target=_serve, args=(there, modules))
+        # Daemonic: one that nobody has killed ends with this process, which else waits for it.
+        self._process = spawn.Process(target=_serve, args=(there, modules), daemon=True)
         self._process.start()
         threading.Thread(target=self._process.join, daemon=True).start()  # no zombie stays
         # Nobody else may hold this end: a process that dies amid its reply is seen by that alone.
