@@ -324,6 +324,8 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
         derived, part = prepared.derived, plan.part(prepared.derived.outputs)
         found = derivatives(part, cells_of(part, grid), derived.parameters, watch)
         arrays |= derived.arrays(plan, grid, prepared.dims, found)
+    if prepared.bands is not None:
+        arrays |= prepared.bands.arrays(plan, grid, prepared.dims, watch)
     samples, follow = prepared.study.trajectory, prepared.method.course
     if samples is not None:
         assert follow is not None  # the study would have been refused
@@ -356,8 +358,8 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     for name in FLAGS.keys() & variables.keys():
         variables[name] = replace(variables[name], attributes=_attributes(name))
     variables |= verdict_variables(plan, prepared.dims, arrays)
-    if prepared.derived is not None:
-        variables |= prepared.derived.variables(prepared.dims, arrays)
+    for added in prepared.added:
+        variables |= added.variables(prepared.dims, arrays)
     coordinates = coordinates_of(plan, prepared.grid)
     for name in [name for name in arrays if name not in variables]:
         of_trajectory = coordinates if name == TIME else variables

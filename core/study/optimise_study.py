@@ -1,7 +1,7 @@
 """The study of the best values of some parameters over a grid of the others."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -128,6 +128,7 @@ ANGLES = {name: Between(0.0, 90.0) for name in DRIVE_ANGLES}
 class OptimiseStudy(DrivenStudy):
     """The best values of some parameters, over a grid of the others."""
 
+    bands_section: ClassVar[str] = "uncertain"
     kind: Literal["optimise"] = Field(description="The kind of study.")
     variant: str | None = Field(
         None,

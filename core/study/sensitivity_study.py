@@ -1,6 +1,6 @@
 """The study of outputs over parameters that are not known exactly, at each point of a grid."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, field_validator
 
@@ -47,6 +47,7 @@ class Demand(Frozen):
 class SensitivityStudy(DrivenStudy):
     """A study of outputs that vary with uncertain parameters, over a grid of the others."""
 
+    bands_section: ClassVar[str] = "uncertain"
     kind: Literal["sensitivity"] = Field(description="The kind of study.")
     variant: str | None = Field(
         None,
