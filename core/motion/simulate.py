@@ -329,7 +329,7 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
     samples, follow = prepared.study.trajectory, prepared.method.course
     if samples is not None:
         assert follow is not None  # the study would have been refused
-        motion = next(equation for equation in plan.equations if equation.takes_long)
+        motion = next(e for e in plan.equations if e.takes_long and e.gives != "burst")
         arguments = {name: known[name] for name in motion.inputs}
         contacts = CONTACTS.get(plan.scene.name, Contacts())
         arrays |= follow(TrajectoryRequest(samples, arguments, known, watch), contacts)

@@ -395,7 +395,9 @@ def _read_band(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Band
 
 def _published(name: str, pair: str, surface: str) -> tuple[float, float]:
     if "friction" not in name:
-        raise UnitError(f"{name} is not a friction coefficient, so it has no pair", "Write low and high")
+        raise UnitError(
+            f"{name} is not a friction coefficient, so it has no pair", "Write low and high"
+        )
     rows = materials.rows_of_pair(pair)
     if not rows:
         raise UnitError(
