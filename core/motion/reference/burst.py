@@ -12,8 +12,8 @@ import numpy as np
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import Burst, Contacts, Groups, cells_of, each, groups_of
-from vibrafeed.core.motion.reference.laws import UX, UY, UZ, ReferenceLaws, X
-from vibrafeed.core.motion.reference.part import STOPPED, FailedError, Mode, Part
+from vibrafeed.core.motion.reference.laws import UX, UY, UZ, Mode, ReferenceLaws, X
+from vibrafeed.core.motion.reference.part import STOPPED, FailedError, Part
 from vibrafeed.core.motion.waves import TURN
 from vibrafeed.core.watch import Watch
 
