@@ -314,7 +314,8 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
     unknowns: Unknowns | None = Field(
         None,
-        description="The unknown parameters: { lower, upper }, or { mean, deviation }.",
+        description="The unknown parameters: { lower, upper }, or { mean, deviation }; a range "
+        "with low and high among the parameters is one of them.",
     )
     offsets: Offsets | None = Field(
         None, description="Unknown offsets of parameters, such as the mounting error of an angle."

@@ -162,7 +162,7 @@ class OptimiseStudy(DrivenStudy):
     uncertain: Uncertain | None = Field(
         None,
         description="Parameters that are not known exactly, such as friction: their bounds, or "
-        "their distributions.",
+        "their distributions; a range with low and high among the parameters is one of them.",
     )
     robust: Literal["worst", "mean", "quantile"] | None = Field(
         None,

@@ -64,8 +64,10 @@ class SensitivityStudy(DrivenStudy):
     outputs: OutputNames = Field(
         description="Names of the outputs.", min_length=1, max_length=MAX_OUTPUTS
     )
-    uncertain: Uncertain = Field(
-        description="Parameters that are not known exactly, and their distributions."
+    uncertain: Uncertain | None = Field(
+        None,
+        description="Parameters that are not known exactly, and their distributions; a range with "
+        "low and high among the parameters is a uniform one.",
     )
     analyses: Annotated[
         tuple[Analysis, ...],
