@@ -54,8 +54,8 @@ MEASURED = (
     ),
     ("Two thick coins [4]", "between let down and thrown", "none", "the same"),
     (
-        "The least acceleration that starts a part [5]",
-        "starts at 1.0001, rests at 0.9999 of the threshold",
+        "The least acceleration that starts a part; their measurements confirm their formula [5]",
+        "by the formula: starts at 1.0001, rests at 0.9999 of the threshold",
         "none",
         "nothing",
     ),
