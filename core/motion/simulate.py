@@ -20,6 +20,7 @@ from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.feeding import RESOLVED
 from vibrafeed.core.motion.method import ANSWERED, STATUS, TIME, Contacts, TrajectoryRequest
 from vibrafeed.core.motion.prepare import ERROR, Simulation, choose_system, other_method, prepare
+from vibrafeed.core.motion.reference.burst import burst_trajectory
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from vibrafeed.core.plan.differences import cells_of, derivatives
 from vibrafeed.core.plan.grid import from_si
@@ -332,6 +333,7 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
         motion = next(e for e in plan.equations if e.takes_long and e.gives != "burst")
         arguments = {name: known[name] for name in motion.inputs}
         contacts = CONTACTS.get(plan.scene.name, Contacts())
+        follow = burst_trajectory if "burst" in known else follow
         arrays |= follow(TrajectoryRequest(samples, arguments, known, watch), contacts)
     return Computed(arrays)
 

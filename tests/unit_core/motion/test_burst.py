@@ -99,3 +99,29 @@ def test_a_burst_has_whole_periods():
         (problem,) = caught.value.problems
         assert problem.place == "parameters.burst_periods"
         assert told in problem.message
+
+
+def test_a_trajectory_ends_where_the_part_rests():
+    found = burst(2, **FAST_LAST, **FRICTION, trajectory=600)
+    end = 2 * PERIOD + float(found.burst_coasting_time)
+    time, way = found.cycle_time.values, found.position_along.values
+    assert time[-1] == pytest.approx(end, rel=1e-12)
+    assert way[-1] == pytest.approx(float(found.burst_displacement), rel=1e-12)
+    speed = found.relative_velocity_along.values
+    assert np.trapezoid(speed, time) == pytest.approx(way[-1], rel=1e-4)
+    # The track: 0.4 g for 5/6 of a period from rest, then it stops, and stays.
+    rise, peak = 0.5 * 0.4 * G * (5 * PERIOD / 6) ** 2, 0.4 * G * 5 * PERIOD / 6
+    at = np.interp(5 * PERIOD / 6, time, found.track_along.values)
+    assert at == pytest.approx(rise, rel=1e-4)
+    assert found.track_along.values[-1] == pytest.approx(2 * 0.5 * peak * PERIOD, rel=1e-12)
+    assert found.motion_mode.values[0] == 0
+
+
+def test_a_trajectory_at_times_goes_on_in_rest():
+    found = burst(3, ["feed_rate"], length=0.01, **SLIDES, trajectory=[0, 0.03, 0.06, 0.5])
+    assert found.position_along.values[0] == 0
+    assert found.position_along.values[-1] == pytest.approx(float(found.burst_displacement))
+    assert found.track_along.values == pytest.approx(
+        [0, -2e-4 * np.cos(np.pi / 6), 0, 0], abs=1e-12
+    )
+    assert found.motion_mode.values[-1] == 0
