@@ -88,9 +88,12 @@ def extremes(compute: Compute, low: float, high: float, cells: int) -> Extremes:
 
 
 def _brackets(lead: Array) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
-    # Cell, sign and best sample of each extreme; none where the samples are monotone.
+    # Cell, sign and best sample of each extreme; none where the samples are monotone, unless they
+    # flatten towards an end, beside which an extreme may lie.
     steps, noise = np.diff(lead), SIGNIFICANT * np.fmax.reduce(np.abs(lead), axis=1, keepdims=True)
     monotone = (steps >= -noise).all(axis=1) | (steps <= noise).all(axis=1)
+    sizes = np.abs(steps)
+    monotone &= (2 * sizes[:, [0, -1]] >= sizes[:, [1, -2]]).all(axis=1)
     (cell,) = np.nonzero(~monotone & np.isfinite(lead).any(axis=1))
     least, most = np.nanargmin(lead[cell], axis=1), np.nanargmax(lead[cell], axis=1)
     signs = np.repeat([-1.0, 1.0], cell.size)
