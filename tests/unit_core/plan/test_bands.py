@@ -8,12 +8,16 @@ import pytest
 import vibrafeed
 from night import count
 from vibrafeed.core.dataset.bands import rounded, sentences_on_bands
+from vibrafeed.core.dataset.document import to_document
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content, study_of
+from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.materials import friction
 from vibrafeed.core.plan.bands import MAX_POINTS, SAMPLES, extremes
+from vibrafeed.core.plan.pieces import Cut, join
 from vibrafeed.core.quantities.flags import SIGNS
+from vibrafeed.core.watch import Watch
 
 BAND = {"low": 0.2, "high": 0.5}
 DRIVE = {"frequency": 50, "amplitude": "0.3 mm", "beta": 20, "gamma": 2}
@@ -224,6 +228,21 @@ def test_closed_forms_have_bands_each_of_its_own():
     found = vibrafeed.sweep(**study, **asked, friction={"low": 0.1, "high": 0.3})
     assert float(found.velocity_at_time_least) == pytest.approx(float(scan.min()), rel=1e-4)
     assert float(found.velocity_at_time_most) == pytest.approx(float(scan.max()), rel=1e-4)
+
+
+def test_pieces_of_a_study_join_to_the_whole_and_go_to_the_service():
+    axis = {"start": 1e-4, "stop": 3e-4, "num": 7}
+    prepared = prepare_content(content(friction=BAND, amplitude=axis, beta=[10, 20, 30]))
+    kind, cut = KINDS["simulate"], Cut(prepared, 6)
+    assert len(cut) > 1
+    boxes = [cut.box(number) for number in range(len(cut))]
+    pieces = [(box, kind.compute(prepared.within(box), Watch())) for box in boxes]
+    joined, whole = join(prepared, pieces), kind.compute(prepared, Watch())
+    for name, values in whole.arrays.items():
+        np.testing.assert_array_equal(joined.arrays[name], values, err_msg=name)
+    variables = to_document(kind.label(prepared, whole, Watch()))["variables"]
+    assert variables["conveying_velocity_least"]["dims"] == ["amplitude", "beta"]
+    assert variables["sign_unsettled"]["flags"] == {"settled": 0, "unsettled": 1, "open": 2}
 
 
 def test_studies_without_a_band_add_nothing():
