@@ -23,6 +23,13 @@ from vibrafeed.app.cli.by_kind import (
 )
 from vibrafeed.app.cli.console import fail, say, table, tell
 from vibrafeed.app.cli.units import DIGITS, shown_range, units_asked
+from vibrafeed.core.dataset.bands import (
+    ENDS,
+    band_widths,
+    known_between,
+    rounded,
+    sentences_on_bands,
+)
 from vibrafeed.core.dataset.table import judge_of, percent, regime_shares
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.kinds import is_whole, not_verified, share_left_out
@@ -91,6 +98,8 @@ def show_result(
         tell(f"  {'; '.join(told)}")
     for line in _held_at(result, units):
         say(f"  {line}")
+    for line in sentences_on_bands(result):
+        tell(f"  {line}")
     if backwards := travel_in_words(result):
         say(f"  {backwards}")
     if knee := _knee(result, units):
@@ -135,8 +144,9 @@ def _show_values(
     if is_uncertain(result) and facts["cells"] == 1:
         show_design(result, units)
     else:
-        _show_outputs(outputs, units)
-    say(f"  Values have {DIGITS} digits, or as many as separate them; the file has all.")
+        _show_outputs(outputs, result, units)
+    banded = " speeds those that their band leaves;" if band_widths(result) else ""
+    say(f"  Values have {DIGITS} digits, or as many as separate them;{banded} the file has all.")
     for name, states in facts["states"].items():
         if name != "knee":  # a share of points says nothing
             tell(f"  {name}: {_in_words(states, facts['cells'])}")
@@ -213,6 +223,9 @@ def _fastest(result: Table, units: ShownUnits) -> str:
         if name in QUANTITIES and result.coordinates[name].values.ndim
     )
     top = format_value("conveying_velocity", float(speed.values[index]), units)
+    if width := band_widths(result).get("conveying_velocity"):
+        shown = units.of("m s-1", float(abs(speed.values[index])))
+        top = f"{rounded(shown.factor * speed.values[index], shown.factor * width)} {shown.unit}"
     return f"Fastest: {top} at {where}." if where else ""
 
 
@@ -290,24 +303,43 @@ def _result_document(
     return facts
 
 
-def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -> None:
+def _show_outputs(
+    outputs: Mapping[str, Mapping[str, Any]], result: Table, units: ShownUnits
+) -> None:
     """Print a table of outputs: one value each for a single design, else their ranges.
 
     `outputs` are those of the result's JSON document, `units` those for printing.
     """
+    over, widths = known_between(result.coordinates), band_widths(result)
     if all("value" in column for column in outputs.values()):
-        rows = []
-        for name, column in outputs.items():
-            unit, value, _ = shown_range(column["unit"], column["value"], column["value"], units)
-            rows.append((name, value, unit))
-        table(("output", "value", "unit"), rows)
+        _show_single(outputs, over, units)
         return
     ranges = []
     for name, column in outputs.items():
         pair = (column["value"],) * 2 if "value" in column else (column["least"], column["largest"])
         unit, least, largest = shown_range(column["unit"], *pair, units)
+        if name in widths and None not in pair:
+            factor = units.of(column["unit"], max(map(abs, pair))).factor
+            least, largest = (rounded(factor * end, factor * widths[name]) for end in pair)
         ranges.append((name, least, largest, unit, ", ".join(column["dimensions"]) or "none"))
     table(("output", "least", "largest", "unit", "dimensions"), ranges)
+
+
+def _show_single(outputs: Mapping[str, Mapping[str, Any]], over: str, units: ShownUnits) -> None:
+    rows, ends = [], {f"{name}_{end}" for name in outputs for end in ENDS}
+    for name, column in outputs.items():
+        if name in ends:
+            continue
+        band = [outputs[f"{name}_{end}"]["value"] for end in ENDS if f"{name}_{end}" in outputs]
+        unit, value, _ = shown_range(column["unit"], column["value"], column["value"], units)
+        between = ""
+        if band and None not in band and column["value"] is not None:
+            factor = units.of(column["unit"], max(map(abs, band))).factor
+            width = factor * (band[1] - band[0])
+            value = rounded(factor * column["value"], width)
+            between = " to ".join(rounded(factor * end, width) for end in band)
+        rows.append((name, value, between, unit) if over else (name, value, unit))
+    table(("output", "value", f"for {over}", "unit") if over else ("output", "value", "unit"), rows)
 
 
 def _show_regimes(

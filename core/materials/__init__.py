@@ -55,6 +55,34 @@ def friction(words: str = "") -> dict[str, Any]:
     }
 
 
+def pairs() -> tuple[str, ...]:
+    """Return the pairs of materials in the table of friction: ``steel on polyurethane``."""
+    return tuple(dict.fromkeys(_pair_of(row) for row in friction()["pairs"]))
+
+
+def rows_of_pair(pair: str) -> list[dict[str, Any]]:
+    """Return the rows of the table of friction for a pair; which of both is the part counts not."""
+    part, _, track = (text.strip() for text in pair.lower().partition(" on "))
+    wanted = {f"{part} on {track}", f"{track} on {part}"}
+    return [row for row in friction()["pairs"] if _pair_of(row).lower() in wanted]
+
+
+def _pair_of(row: Mapping[str, Any]) -> str:
+    return f"{row['part']} on {row['track']}"
+
+
+def has_surface(row: Mapping[str, Any], surface: str) -> bool:
+    """True if a row of the table of friction has all words of a surface; always without words."""
+    return _holds(row, surface.lower().split(), ("surface",))
+
+
+def ends(row: Mapping[str, Any], is_static: bool) -> list[float]:
+    """Return the ends of friction in a row: of sliding, or at rest; else of what the row has."""
+    wanted = ("static", "kinetic") if is_static else ("kinetic", "static")
+    found = (row[wanted[0]] or row["coefficient"] or row[wanted[1]]) or ()
+    return list(found)
+
+
 def leaf_springs(words: str = "") -> dict[str, Any]:
     """Return published moduli and densities of leaf springs that match some words, with notes.
 

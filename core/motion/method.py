@@ -351,6 +351,16 @@ class Path(NamedTuple):
     velocity: Array
 
 
+class Burst(NamedTuple):
+    """The way of a part in a burst [g/w^2], and the phase from its end to the part's rest [rad].
+
+    The way counts on the track; NaN where the part does not come to rest.
+    """
+
+    travel: Array
+    coasting: Array
+
+
 class TrajectoryRequest(NamedTuple):
     """The times at which a study asks for a trajectory, and the scales of it.
 

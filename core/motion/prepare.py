@@ -17,10 +17,11 @@ from vibrafeed.core.motion.systems import (
     methods_of,
     with_falling_restitution,
 )
-from vibrafeed.core.plan.differences import Asked, asked_of
+from vibrafeed.core.plan.bands import Bands, bands_of, problem_of_added, problems_of_bands
+from vibrafeed.core.plan.differences import Added, Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
-from vibrafeed.core.plan.prepared import Chosen, Prepared, Price, broken_constraints, plan_study
+from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, SimulateStudy
@@ -42,13 +43,7 @@ class Simulation(Prepared):
             return Problem(
                 "trajectory", "it is computed as a whole, not where read", "Leave it out"
             )
-        if self.study.sensitivities:
-            return Problem(
-                "sensitivities",
-                "derivatives are computed as a whole, not where read",
-                "Leave it out",
-            )
-        return None
+        return problem_of_added(self.study.sensitivities, self.grid)
 
     @property
     def method(self) -> Method:
@@ -60,15 +55,20 @@ class Simulation(Prepared):
         """The derivatives that the result contains; None without any."""
         return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
+    @cached_property
+    def bands(self) -> Bands | None:
+        """The bands of speeds in the result; None without any."""
+        return None if self.study.reduce else bands_of(self.plan, self.grid)
+
+    @property
+    def added(self) -> tuple[Added, ...]:
+        """Derivatives and ends of bands."""
+        return tuple(one for one in (self.derived, self.bands) if one is not None)
+
     @property
     def stated_seconds_a_cell(self) -> float:
         """The rough time of a cell on one core [s], which no clock decides."""
         return self.method.seconds_a_cell
-
-    def _new_price(self) -> Price:
-        found = super()._new_price()
-        passes = 1 if self.derived is None else self.derived.passes
-        return found._replace(cell=passes * found.cell)
 
     @property
     def verified_by(self) -> str:
@@ -172,6 +172,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     raise_any(problems)
     plan = replace(plan, defaults={**plan.defaults, **settings})
     prepared = Simulation(study, plan, grid)
+    _ = prepared.added  # which raises what is wrong with it
     if prepared.derived is not None and "period_multiple" not in scene.outputs(method):
         message = f"the motion of {scene.name} is followed for a time, not a cycle"
         cyclic = (*CONTACTS, *rolling_scene.SCENES, row_scene.ROW)
@@ -212,6 +213,7 @@ def _problems_of_reduction(study: SimulateStudy) -> Iterable[Problem]:
     if study.reduce is None:
         return
     yield from problems_of_names(study.reduce, study.outputs, study.values())
+    yield from problems_of_bands(study.values())
     for key, message in (
         ("sensitivities", "derivatives are given with all cells; the study has reduce too"),
         ("trajectory", "it shows one point; the study has reduce too"),

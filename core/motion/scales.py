@@ -13,7 +13,7 @@ import numpy as np
 from vibrafeed.core.mechanics import floor
 from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
 from vibrafeed.core.mechanics.floor import throw
-from vibrafeed.core.motion.method import Energy, Motion, where
+from vibrafeed.core.motion.method import Burst, Energy, Motion, where
 from vibrafeed.core.scenes.scene import Constraint, Equation
 
 
@@ -164,6 +164,29 @@ DRIVEN = Constraint(
     lambda least, largest: least >= 1e-9 and largest <= 1e12,
     "there is no period to take a mean over, or it is outside the range of double precision",
     "Give a frequency from 1e-9 Hz to 1e12 Hz",
+)
+
+
+# --- a drive that begins and ends (theory 13.9)
+
+
+def coasting_time(*, burst: Burst, frequency: Array) -> Array:
+    """Return the time from the end of a burst until the part rests [s]."""
+    return burst.coasting / (2 * np.pi * frequency)
+
+
+BURST_RESULTS = (
+    product(
+        "burst_displacement", "burst.travel", "length_scale", source="theory 13.9",
+        says="the way of the part along the track in a burst, from rest to rest [m]",
+    ),
+    Equation("burst_coasting_time", coasting_time, "theory 13.9"),
+)  # fmt: skip
+WHOLE_PERIODS = Constraint(
+    ("burst_periods",),
+    lambda least, largest: float(least).is_integer() and float(largest).is_integer(),
+    "a burst has whole periods, so that the track ends at rest",
+    "Give whole numbers",
 )
 
 

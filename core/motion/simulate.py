@@ -20,6 +20,7 @@ from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.feeding import RESOLVED
 from vibrafeed.core.motion.method import ANSWERED, STATUS, TIME, Contacts, TrajectoryRequest
 from vibrafeed.core.motion.prepare import ERROR, Simulation, choose_system, other_method, prepare
+from vibrafeed.core.motion.reference.burst import burst_trajectory
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from vibrafeed.core.plan.differences import cells_of, derivatives
 from vibrafeed.core.plan.grid import from_si
@@ -324,12 +325,15 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
         derived, part = prepared.derived, plan.part(prepared.derived.outputs)
         found = derivatives(part, cells_of(part, grid), derived.parameters, watch)
         arrays |= derived.arrays(plan, grid, prepared.dims, found)
+    if prepared.bands is not None:
+        arrays |= prepared.bands.arrays(plan, grid, prepared.dims, watch)
     samples, follow = prepared.study.trajectory, prepared.method.course
     if samples is not None:
         assert follow is not None  # the study would have been refused
-        motion = next(equation for equation in plan.equations if equation.takes_long)
+        motion = next(e for e in plan.equations if e.takes_long and e.gives != "burst")
         arguments = {name: known[name] for name in motion.inputs}
         contacts = CONTACTS.get(plan.scene.name, Contacts())
+        follow = burst_trajectory if "burst" in known else follow
         arrays |= follow(TrajectoryRequest(samples, arguments, known, watch), contacts)
     return Computed(arrays)
 
@@ -356,8 +360,8 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     for name in FLAGS.keys() & variables.keys():
         variables[name] = replace(variables[name], attributes=_attributes(name))
     variables |= verdict_variables(plan, prepared.dims, arrays)
-    if prepared.derived is not None:
-        variables |= prepared.derived.variables(prepared.dims, arrays)
+    for added in prepared.added:
+        variables |= added.variables(prepared.dims, arrays)
     coordinates = coordinates_of(plan, prepared.grid)
     for name in [name for name in arrays if name not in variables]:
         of_trajectory = coordinates if name == TIME else variables

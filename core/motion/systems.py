@@ -35,6 +35,7 @@ from vibrafeed.core.motion.method import (
     where,
     with_status,
 )
+from vibrafeed.core.motion.reference.burst import burst_by_reference
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -231,7 +232,8 @@ def _conveying(
         if method.energy is not None:
             energy = equation("energy", method.energy, scales.ENERGY_SOURCE)
             conveying += [energy, *scales.ENERGY_RESULTS]
-        return (*in_space, *conveying)
+        conveying.append(equation("burst", burst_by_reference, "theory 13.9"))
+        return (*in_space, *conveying, *scales.BURST_RESULTS)
 
     def conditions(method: Method) -> tuple[Condition, ...]:
         more = [LEAVES_THE_WALL] if contacts.wall else []
@@ -256,6 +258,7 @@ def _conveying(
         constraints=(
             STATIC_ABOVE_KINETIC,
             scales.DRIVEN,
+            scales.WHOLE_PERIODS,
             *(refusal for method in methods for refusal in method.refuses),
         ),
         choice="method",

@@ -96,6 +96,11 @@ def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     return _moved(wave, axis, phase, 2)
 
 
+def velocity_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
+    """Return the velocity of the track along an axis at a phase, in g/w; no mean."""
+    return _moved(wave, axis, phase, 1)
+
+
 def _moved(wave: Wave, axis: int, phase: ArrayLike, integrals: int) -> Array:
     tau = np.asarray(phase, dtype=float)
     total = -_harmonic(wave, axis, tau, integrals)

@@ -291,10 +291,57 @@ def scale_of(parameter: str, at: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """The outputs of a study that are derived, and the parameters by which they are."""
+class Added:
+    """Variables that a study adds to its outputs, each over the axes of an output."""
 
     outputs: tuple[str, ...]
+
+    @property
+    def passes(self) -> int:
+        """The number of times that a cell is computed for them."""
+        raise NotImplementedError
+
+    @property
+    def labels(self) -> dict[str, dict[str, Any]]:
+        """The attributes of each variable in order; `output` says whose axes it has, else all."""
+        raise NotImplementedError
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each variable."""
+        return {name: told.get("units", "1") for name, told in self.labels.items()}
+
+    def dims(self, grid: Grid, depends: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
+        """Return the axes of each variable: those of its output, for a flag of all outputs."""
+        every = {axis for name in self.outputs for axis in depends[name]}
+        return {
+            name: grid.dims(depends[told["output"]] if "output" in told else every)
+            for name, told in self.labels.items()
+        }
+
+    def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
+        """Return the variables for a result by name: axes, values, attributes."""
+        return {
+            name: TableVariable(dims[name], arrays[name], told)
+            for name, told in self.labels.items()
+        }
+
+
+def over_axes(flat: Mapping[str, NDArray[Any]], grid: Grid, dims: Dims) -> dict[str, NDArray[Any]]:
+    """Return variables of all cells of a grid, shape (cells,), each over its own axes."""
+    shape = tuple(grid.shape.values())
+    return {
+        name: array.reshape(shape)[
+            tuple(slice(None) if axis in dims[name] else 0 for axis in grid.axes)
+        ]
+        for name, array in flat.items()
+    }
+
+
+@dataclass(frozen=True)
+class Asked(Added):
+    """The outputs of a study that are derived, and the parameters by which they are."""
+
     parameters: tuple[str, ...]
 
     @property
@@ -329,19 +376,6 @@ class Asked:
             ) | {"long_name": f"Status of the derivatives by {by}"}
         return labels
 
-    @property
-    def units(self) -> dict[str, str]:
-        """The unit of each variable that the asked derivatives add to a result."""
-        return {name: told.get("units", "1") for name, told in self.labels.items()}
-
-    def dims(self, grid: Grid, depends: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
-        """Return the axes of each variable: those of its output, for a status of all outputs."""
-        every = {axis for name in self.outputs for axis in depends[name]}
-        return {
-            name: grid.dims(depends[told["output"]] if "output" in told else every)
-            for name, told in self.labels.items()
-        }
-
     def arrays(
         self, plan: Plan, grid: Grid, dims: Dims, derivatives: Derivatives
     ) -> dict[str, NDArray[Any]]:
@@ -362,19 +396,7 @@ class Asked:
                 flat |= zip(_names(output, parameter), told, strict=True)
             worst = np.maximum.reduce([one.status for one in derived])
             flat[_status_name(parameter)] = worst
-        return {
-            name: array.reshape(shape)[
-                tuple(slice(None) if axis in dims[name] else 0 for axis in grid.axes)
-            ]
-            for name, array in flat.items()
-        }
-
-    def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
-        """Return the variables of derivatives for a result by name: axes, values, attributes."""
-        return {
-            name: TableVariable(dims[name], arrays[name], told)
-            for name, told in self.labels.items()
-        }
+        return over_axes(flat, grid, dims)
 
 
 def _names(output: str, parameter: str) -> tuple[str, str, str]:
@@ -385,11 +407,6 @@ def _names(output: str, parameter: str) -> tuple[str, str, str]:
 
 def _status_name(parameter: str) -> str:
     return f"derivative_status_{parameter}"
-
-
-def is_status(name: str) -> bool:
-    """True if a variable is the status of derivatives."""
-    return name.startswith(_status_name(""))
 
 
 def asked_of(

@@ -3,7 +3,7 @@
 import math
 import random
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import radians
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.values import Fixed, Points, Span, Values
+from vibrafeed.core.study.values import Band, Fixed, Points, Span, Values
 
 
 def to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -31,10 +31,14 @@ def from_si(name: str, values: NDArray[np.generic]) -> NDArray[np.generic]:
 
 @dataclass(frozen=True)
 class Grid:
-    """Ranged parameters, in order, and fixed ones, in the units of studies."""
+    """Ranged parameters, in order, and fixed ones, in the units of studies.
+
+    `bands` has those of the fixed ones that are known within a band only.
+    """
 
     axes: Mapping[str, Points | Span]
     fixed: Mapping[str, float]
+    bands: Mapping[str, Band] = field(default_factory=dict)
 
     @classmethod
     def of(cls, values: Mapping[str, Values]) -> "Grid":
@@ -42,6 +46,7 @@ class Grid:
         return cls(
             {name: value for name, value in values.items() if not isinstance(value, Fixed)},
             {name: value.value for name, value in values.items() if isinstance(value, Fixed)},
+            {name: value for name, value in values.items() if isinstance(value, Band)},
         )
 
     @cached_property
@@ -69,7 +74,7 @@ class Grid:
             name: Points(tuple(axis.array(*box[name]))) if name in box else axis
             for name, axis in self.axes.items()
         }
-        return Grid(axes, self.fixed)
+        return replace(self, axes=axes)
 
     def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> "Grid":
         """Return a smaller grid: the axes of a box, within its ends, with some fixed parameters."""
@@ -87,7 +92,9 @@ class Grid:
 
     def bounds(self, name: str) -> tuple[float, float]:
         """Return the smallest and largest value of a parameter, SI units and radians."""
-        if name in self.fixed:
+        if name in self.bands:
+            ends = np.array([self.bands[name].low, self.bands[name].high])
+        elif name in self.fixed:
             ends = np.array([self.fixed[name]])
         else:
             axis = self.axes[name]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed import core
+from vibrafeed.core.dataset.bands import BAND
 from vibrafeed.core.dataset.table import (
     CONVENTIONS,
     REFERENCES,
@@ -62,12 +63,17 @@ def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
         name: TableVariable((name,), grid.coordinate(name), quantity_attributes(name))
         for name in grid.axes
     }
+    ends = {name: {BAND: np.array([one.low, one.high])} for name, one in grid.bands.items()}
     fixed: dict[str, Any] = {
         name: value for name, value in grid.fixed.items() if name in plan.parameters
     }
     fixed |= {name: from_si(name, np.asarray(value)) for name, value in plan.defaults.items()}
     return coordinates | {
-        name: TableVariable((), np.asarray(value, dtype=np.float64), quantity_attributes(name))
+        name: TableVariable(
+            (),
+            np.asarray(value, dtype=np.float64),
+            quantity_attributes(name) | ends.get(name, {}),
+        )
         for name, value in fixed.items()
     }
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.errors import LimitError, Problem, StoppedError, StudyError, raise_any, refused
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.differences import Asked, is_status
+from vibrafeed.core.plan.differences import Added
 from vibrafeed.core.plan.grid import Grid, from_si, positions_of, spread
 from vibrafeed.core.plan.plan import Plan, plan_scene, run_equations
 from vibrafeed.core.quantities import FLAGS, MOTION_STATUSES, QUANTITIES
@@ -77,23 +77,23 @@ class Prepared:
         return ()
 
     @property
-    def derived(self) -> Asked | None:
-        """The derivatives in the result; None without any."""
-        return None
+    def added(self) -> tuple[Added, ...]:
+        """Variables of the result beside the outputs: derivatives, ends of bands."""
+        return ()
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The names of the axes of each variable of the result, by name, verdicts last."""
         depends = self.plan.depends_on(self.grid.axes)
         dims = {name: self.grid.dims(depends[name]) for name in self.plan.outputs}
-        if self.derived is not None:
-            dims |= self.derived.dims(self.grid, depends)
+        for added in self.added:
+            dims |= added.dims(self.grid, depends)
         return dims | {name: self.grid.dims(depends[name]) for name in self.plan.verdict_names}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each output."""
-        told = {} if self.derived is None else self.derived.units
+        told = {name: unit for added in self.added for name, unit in added.units.items()}
         told |= dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
         return {name: told.get(name) or QUANTITIES[name].unit for name in self.dims}
 
@@ -109,7 +109,8 @@ class Prepared:
 
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""
-        return 1 if is_status(name) or self._is_flag(name) else 8
+        is_added_flag = any("flag_values" in one.labels.get(name, ()) for one in self.added)
+        return 1 if is_added_flag or self._is_flag(name) else 8
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Return computed values of an output in the units of files."""
@@ -143,7 +144,9 @@ class Prepared:
         return self.known_price or self._new_price()
 
     def _new_price(self) -> "Price":
-        return price(self.plan, self.grid, self.stated_seconds_a_cell)
+        once = price(self.plan, self.grid, self.stated_seconds_a_cell)
+        passes = sum(added.passes for added in self.added) or 1
+        return once._replace(cell=passes * once.cell)
 
     @property
     def stated_seconds_a_cell(self) -> float:

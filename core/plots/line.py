@@ -163,10 +163,11 @@ def _draw_line(
     for colour, curve, states in zip(colours, values.T, regimes.T, strict=True):
         strokes = [_stroke(look, looks, alike) for look in looks]
         _draw_curve(axes, across.values, curve, states, looks, strokes, colour, style)
-    if selection.spread is not None and selection.spread.any():
-        spread = selection.spread.reshape(across.values.size, -1)[:, chosen]
-        entries.append(_add_bands(axes, across.values, values, spread, colours, style))
-        values = np.concatenate([values - spread, values + spread])
+    if selection.band is not None:
+        low, high = (end.reshape(across.values.size, -1)[:, chosen] for end in selection.band)
+        entries.append(_add_bands(axes, across.values, low, high, colours, style))
+        entries[-1].set_label(selection.band_label)
+        values = np.concatenate([low, high])
     if len(selection.axes) > 1:
         _name_curves(figure, selection, selection.axes[1].values[chosen], colours)
     axes.set_xlim(across.values[0], across.values[-1])
@@ -261,18 +262,16 @@ def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
 def _add_bands(
     axes: Axes,
     x: Array,
-    values: Array,
-    spread: Array,
+    lower: Array,
+    upper: Array,
     colours: list[RGB],
     style: Style,
 ) -> Artist:
-    for curve, width, colour in zip(values.T, spread.T, colours, strict=True):
-        if width.any():
-            axes.fill_between(
-                x, curve - width, curve + width, color=colour, alpha=BAND, linewidth=0, zorder=1.5
-            )
+    for low, high, colour in zip(lower.T, upper.T, colours, strict=True):
+        if (low < high).any():
+            axes.fill_between(x, low, high, color=colour, alpha=BAND, linewidth=0, zorder=1.5)
     shown = colours[0] if len(colours) == 1 else style.quiet
-    return Patch(facecolor=mix(shown, style.ground, 1 - BAND), label="\N{PLUS-MINUS SIGN} spread")
+    return Patch(facecolor=mix(shown, style.ground, 1 - BAND))
 
 
 def _add_strips(

@@ -56,6 +56,7 @@ BORDER = "#1a1a1a"  # on fills, which are light in every style
 
 PALE = 0.5  # share of the ground colour in the colour of a regime
 HATCH = "\\\\"
+UNSETTLED = ".."  # the hatch where a speed changes its sign within a band
 TEXT_SIZE = 10  # points
 BOX = (500.0, 330.0)  # points: width and height of the frame of a normal picture, roughly
 RASTER = (250, 165)  # of the frame, in which room for labels is sought
@@ -93,7 +94,8 @@ def _draw_contour(
             number_lines(axes, lines, style, 8, fmt=number, zorder=6, colors=[style.ink])
         _mark_level(axes, plane, selection, style)
     _add_names(axes, across, up, regimes, looks, style)
-    return axes, [veiled_swatch(look, face) for look, face in faces.items()]
+    entries: list[Artist] = [veiled_swatch(look, face) for look, face in faces.items()]
+    return axes, [*entries, *_hatch_unsettled(axes, selection, style)]
 
 
 def _mark_level(
@@ -131,6 +133,7 @@ def _draw_levels(
             label=label,
         )  # fmt: skip
         entries.append(entry)
+    entries += _hatch_unsettled(axes, selection, style)
     _add_names(axes, across, up, regimes, looks, style)
     limit_to_cells(axes, across, up)
     return axes, [*entries, *share_entries(selection.regimes, looks, faces)]
@@ -148,6 +151,21 @@ def _hatch_below(axes: Axes, x: Array, y: Array, values: Array, style: Style) ->
     )
     area.set(edgecolor=style.accent, linewidth=0.0, hatch_linewidth=HATCH_WIDTH)
     return True
+
+
+def _hatch_unsettled(axes: Axes, selection: Selection, style: Style) -> list[Artist]:
+    """Hatch the area of a map where a speed changes its sign within a band."""
+    if selection.unsettled is None or not selection.unsettled.any():
+        return []
+    across, up = selection.axes
+    look: Any = {"hatch_linewidth": HATCH_WIDTH, "edgecolor": style.quiet}
+    area = axes.contourf(
+        across.values, up.values, selection.unsettled.T.astype(float), levels=[0.5, 1.5],
+        colors=["none"], hatches=[UNSETTLED], zorder=3,
+    )  # fmt: skip
+    area.set(linewidth=0.0, **look)
+    label = f"sign not settled {selection.band_label}"
+    return [Patch(facecolor="none", hatch=UNSETTLED, label=label, **look)]
 
 
 def _add_lines(axes: Axes, plane: Plane, what: str, unit: str, style: Style) -> list[Artist]:

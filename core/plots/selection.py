@@ -1,7 +1,7 @@
 """The selection of what is drawn: the variable, its axes, and where other dimensions are held."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +9,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset.table import judge_of
+from vibrafeed.core.dataset.bands import BAND, ENDS, UNSETTLED, known_between
+from vibrafeed.core.dataset.table import Table, judge_of
 from vibrafeed.core.plots.looks import categories_of, codes_of
 from vibrafeed.core.plots.pictures import PlotError, unreadable
 from vibrafeed.core.plots.style import (
@@ -25,7 +26,7 @@ from vibrafeed.core.plots.style import (
     words,
 )
 from vibrafeed.core.quantities import QUANTITIES, by_letters
-from vibrafeed.core.quantities.flags import REGIME, is_regime
+from vibrafeed.core.quantities.flags import REGIME, SIGNS, is_regime
 from vibrafeed.core.scenes import EXACT, SCENES
 from vibrafeed.core.study.shown import ShownUnits, read_shown
 from vibrafeed.core.study.units import UnitError, read_number
@@ -75,8 +76,13 @@ class Selection:
         Whether the values hold in every regime.
     categories : dict of int to str, optional
         Words of an output whose numbers stand for words.
-    spread : ndarray, optional
-        Spread of the values about each, of the same shape and unit, where the dataset has it.
+    band : tuple of ndarray, optional
+        Lower and upper ends about the values, of the same shape and unit, where the dataset has
+        them: of a spread, or over a parameter that is known within a band.
+    band_label : str
+        What the band is.
+    unsettled : ndarray of bool, optional
+        Where a speed changes its direction within the band.
     """
 
     variable: xarray.DataArray
@@ -88,7 +94,9 @@ class Selection:
     fixed: list[str]
     exact: bool = False
     categories: dict[int, str] | None = None
-    spread: Array | None = None
+    band: tuple[Array, Array] | None = None
+    band_label: str = ""
+    unsettled: NDArray[np.bool_] | None = None
 
 
 def natural(
@@ -143,7 +151,6 @@ def select(
     if whole.name == "objective" and "criterion" in dataset.attrs:
         name = f"Objective: {words(str(dataset.attrs['criterion']))}"
     slice_ = part(whole).assign_attrs(long_name=name)
-    spread = dataset.get(f"{whole.name}_spread")
     states = regime.isel(positions, missing_dims="ignore").sortby(
         [name for name in names if name in regime.dims]
     )
@@ -160,10 +167,30 @@ def select(
         fixed=held_fixed(dataset, units, positions),
         exact=_is_exact(dataset, str(whole.name)),
         categories=categories,
-        spread=None
-        if spread is None
-        else np.nan_to_num(scaled(part(spread), shown.factor), posinf=0.0),
+        **_band(dataset, slice_, part, shown.factor),
     )
+
+
+def _band(
+    dataset: xarray.Dataset,
+    whole: xarray.DataArray,
+    part: Callable[[xarray.DataArray], xarray.DataArray],
+    factor: float,
+) -> dict[str, Any]:
+    spread, ends = dataset.get(f"{whole.name}_spread"), [f"{whole.name}_{end}" for end in ENDS]
+    if all(end in dataset for end in ends):
+        over = known_between(Table.of_xarray(dataset).coordinates)
+        band = tuple(scaled(part(dataset[end]), factor) for end in ends)
+        signs = part(dataset[UNSETTLED].broadcast_like(dataset[ends[0]])).values
+        unsettled = signs == SIGNS["unsettled"].value
+        return {"band": band, "band_label": f"for {over}", "unsettled": unsettled}
+    if spread is None:
+        return {}
+    values, width = (scaled(one, factor) for one in (whole, part(spread)))
+    width = np.nan_to_num(width, posinf=0.0)
+    if not width.any():
+        return {}
+    return {"band": (values - width, values + width), "band_label": "\N{PLUS-MINUS SIGN} spread"}
 
 
 def _selected(
@@ -313,10 +340,10 @@ def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | Non
     statistics were taken has its range instead of a value.
     """
     name = name_in_words(str(coordinate.name))
-    if position is None and "reduced_range" in coordinate.attrs:  # its value is only nominal
-        ends = coordinate.copy(data=np.float64(np.max(np.abs(coordinate.attrs["reduced_range"]))))
-        shown = shown_in(ends, units)
-        low, high = (number(shown.factor * float(end)) for end in coordinate.attrs["reduced_range"])
+    ends = coordinate.attrs.get("reduced_range", coordinate.attrs.get(BAND))
+    if position is None and ends is not None:  # its value is only nominal
+        shown = shown_in(coordinate.copy(data=np.float64(np.max(np.abs(ends)))), units)
+        low, high = (number(shown.factor * float(end)) for end in ends)
         return f"over {name} {low} to {with_unit(high, shown.unit)}".replace(" ", SPACE)
     values = coordinate if position is None else coordinate[position]
     shown = shown_in(values, units)

@@ -2,6 +2,7 @@
 
 import io
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
+from vibrafeed.core.dataset.bands import BAND, ENDS, known_between, rounded, sentences_on_bands
 from vibrafeed.core.dataset.table import Table, percent, regime_shares
 from vibrafeed.core.plots.drawing import check_format, draw, read, save
 from vibrafeed.core.plots.pictures import PlotError
@@ -109,12 +111,23 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
 
 def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
     table = Table.of_xarray(dataset)
-    return [
-        (long_name(array), _values(array, units, table.valid(str(name))))
-        for name, array in dataset.data_vars.items()
-        if name in QUANTITIES and name not in FLAGS and name not in OF_THE_SEARCH
-        if array.dtype.kind == "f"
-    ]
+    over, rows = known_between(table.coordinates), list[tuple[str, str]]()
+    for name, array in dataset.data_vars.items():
+        if name not in QUANTITIES or name in FLAGS or name in OF_THE_SEARCH:
+            continue
+        ends = [dataset.get(f"{name}_{end}") for end in ENDS]
+        if over and ends[0] is not None and ends[1] is not None:
+            rows += [(long_name(array), _band(ends, units)), (f"   for {over}", "")]
+        elif array.dtype.kind == "f":
+            rows.append((long_name(array), _values(array, units, table.valid(str(name)))))
+    return rows
+
+
+def _band(ends: Sequence[Any], units: ShownUnits) -> str:
+    shown = shown_in(max(ends, key=lambda one: float(np.abs(one).max())), units)
+    least, most = shown.factor * float(ends[0].min()), shown.factor * float(ends[1].max())
+    text = " to ".join(rounded(end, most - least) for end in (least, most))
+    return f"{text} {shown.unit}".replace("-", "\N{MINUS SIGN}")
 
 
 def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
@@ -130,7 +143,7 @@ def _values(
     array: xarray.DataArray, units: ShownUnits, valid: NDArray[np.bool_] | None = None
 ) -> str:
     shown = shown_in(array, units)
-    values = np.asarray(array.values, dtype=float) * shown.factor
+    values = np.asarray(array.attrs.get(BAND, array.values), dtype=float) * shown.factor
     if valid is not None and values.size > 1:
         values = values[valid]
         if not values.size:
@@ -154,4 +167,4 @@ def _regimes(dataset: xarray.Dataset) -> str:
         else:
             parts = [f"{words(one)} {percent(share)}" for one, share in shares.items()]
             sentences.append(f"Regimes{of}: {', '.join(parts)}.")
-    return " ".join(sentences)
+    return " ".join([*sentences, *sentences_on_bands(Table.of_xarray(dataset))])

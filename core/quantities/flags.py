@@ -200,6 +200,13 @@ MOTION_MODES: dict[str, Flag] = {
     "unknown": Flag(4, "no motion was found for this time", valid=False),
 }
 
+SIGNS: dict[str, Flag] = {
+    "settled": Flag(0, "speeds have one direction over the whole band"),
+    "unsettled": Flag(1, "speeds change their direction within the band"),
+    "open": Flag(2, "at some values in the band there is no mean speed"),
+}
+"""The states of the flag of a band."""
+
 DERIVATIVE_STATUSES: dict[str, Flag] = {
     "differences": Flag(0, "from central differences inside one regime"),
     "one_sided": Flag(1, "from inside, at an end of what the parameter may be"),

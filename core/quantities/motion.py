@@ -264,7 +264,26 @@ TRAJECTORY: dict[str, Quantity] = {
     "flight."),
 }  # fmt: skip
 
-MOTION = {**SCALES, **SETTINGS, **RESULTS, **FEEDING, **TUMBLING, **TRAJECTORY}
+BURST: dict[str, Quantity] = {
+    "burst_periods": Quantity(
+        "1", "n", "Periods of the burst",
+        "Whole number of periods for which the drive runs, from rest to rest.", 1.0, 1000.0,
+        parameter=True, examples=("10",),
+    ),
+    "burst": Quantity(
+        "1", "", "Burst", "Motion in a burst, in the scales of the drive.", bundle=True
+    ),
+    "burst_displacement": Quantity(
+        "m", "", "Displacement in a burst",
+        "Way of the part along the track from rest to rest, under a drive of some periods; NaN "
+        "where the part does not come to rest.", compared=False,
+    ),
+    "burst_coasting_time": Quantity(
+        "s", "", "Coasting time",
+        "Time from the end of a burst until the part rests.", compared=False,
+    ),
+}  # fmt: skip
+MOTION = {**SCALES, **SETTINGS, **RESULTS, **FEEDING, **BURST, **TUMBLING, **TRAJECTORY}
 
 
 OPTIMUM: dict[str, Quantity] = {

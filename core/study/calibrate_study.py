@@ -4,7 +4,7 @@ import reprlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     AliasChoices,
@@ -284,6 +284,7 @@ def _read_probability(raw: object) -> object:
 class CalibrateStudy(MotionSettings, FollowedStudy):
     """A study that estimates unknown parameters from measured speeds."""
 
+    bands_section: ClassVar[str] = "unknowns"
     kind: Literal["calibrate"] = Field(description="The kind of study.")
     observations: Annotated[
         tuple[Run, ...],
@@ -313,7 +314,8 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
     unknowns: Unknowns | None = Field(
         None,
-        description="The unknown parameters: { lower, upper }, or { mean, deviation }.",
+        description="The unknown parameters: { lower, upper }, or { mean, deviation }; a range "
+        "with low and high among the parameters is one of them.",
     )
     offsets: Offsets | None = Field(
         None, description="Unknown offsets of parameters, such as the mounting error of an angle."

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
 
 from pydantic import (
     BaseModel,
@@ -19,6 +19,7 @@ from pydantic import (
     ValidationInfo,
     WithJsonSchema,
     create_model,
+    model_validator,
 )
 from pydantic_core import PydanticCustomError, core_schema
 
@@ -26,7 +27,7 @@ from vibrafeed.core.errors import Problem
 from vibrafeed.core.quantities import QUANTITIES, WORDS, Quantity
 from vibrafeed.core.study.shown import read_shown
 from vibrafeed.core.study.units import UnitError, read_number
-from vibrafeed.core.study.values import Values, read_values
+from vibrafeed.core.study.values import Band, Values, is_band, read_values
 
 # --- The drive of a study that has been measured: what a user writes of it, and what is kept.
 
@@ -313,9 +314,43 @@ def parameters_in(section: BaseModel | None) -> dict[str, Any]:
     return {name: getattr(section, name) for name in PARAMETERS if name in named}
 
 
+def bands_moved_to(section: str, content: object) -> object:
+    """Return the content of a study with the bands of its parameters as bounds in a section.
+
+    What has faults stays, for the reader of parameters to refuse it.
+    """
+    parameters = content.get("parameters") if isinstance(content, Mapping) else None
+    if not isinstance(content, Mapping) or not isinstance(parameters, Mapping):
+        return content
+    own = content.get(section) or {}
+    bounds = {
+        n: one for n, raw in parameters.items() if n in PARAMETERS and (one := _bounds(n, raw))
+    }
+    if not bounds or not isinstance(own, Mapping) or not bounds.keys().isdisjoint(own):
+        return content
+    kept = {name: raw for name, raw in parameters.items() if name not in bounds}
+    return {**content, "parameters": kept, section: {**own, **bounds}}
+
+
+def _bounds(name: str, raw: object) -> dict[str, float] | None:
+    try:
+        band = raw if isinstance(raw, Band) else read_values(name, raw) if is_band(raw) else None
+    except UnitError:
+        return None
+    return {"lower": band.low, "upper": band.high} if isinstance(band, Band) else None
+
+
 def first_paths(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     """Return the first path of each name."""
     return dict(reversed([*pairs]))
+
+
+_PAIR: Final = {
+    "type": "object",
+    "properties": {"pair": TEXT, "surface": TEXT},
+    "required": ["pair"],
+    "additionalProperties": False,
+}
 
 
 def _values_schema(quantity: Quantity) -> dict[str, Any]:
@@ -338,6 +373,12 @@ def _values_schema(quantity: Quantity) -> dict[str, Any]:
         "oneOf": [{"required": ["num"]}, {"required": ["step"]}],
         "additionalProperties": False,
     }
+    band = {
+        "type": "object",
+        "properties": {"low": value, "high": value},
+        "required": ["low", "high"],
+        "additionalProperties": False,
+    }
     unit = "" if quantity.unit == "1" else f" A bare number is in {quantity.unit}."
     return {
         "title": quantity.label,
@@ -347,6 +388,8 @@ def _values_schema(quantity: Quantity) -> dict[str, Any]:
             {"type": "string"},
             {"type": "array", "items": value, "minItems": 1},
             span,
+            band,
+            *([_PAIR] if "friction" in quantity.label.lower() else []),
         ],
         "examples": list(quantity.examples),
     }
@@ -358,7 +401,7 @@ if TYPE_CHECKING:
 else:
     Parameters = by_parameter(
         "Parameters",
-        "Values of the parameters: a number, text with a unit, a list, or a range.",
+        "Values of the parameters: a number, text with a unit, a list, a range, or a band.",
         read_values,
         _values_schema,
     )
@@ -396,6 +439,9 @@ OutputNames = Annotated[tuple[OutputName, ...], at_most(MAX_OUTPUTS)]
 class Study(Frozen):
     """The fields of every kind of study: a scene, and parameters that may range over a grid."""
 
+    bands_section: ClassVar[str] = ""
+    """The section in which a kind keeps bands of parameters as bounds; empty for `parameters`."""
+
     kind: str = Field(description="The kind of study.")
     scene: str = Field(
         description="Name of a scene; `vibrafeed scenes` lists them.", max_length=100
@@ -430,6 +476,11 @@ class Study(Frozen):
         description="Units that screens and pictures show: trade (the default), si, or units such "
         "as m/min, each for its kind. Files hold SI.",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_bands(cls, content: object) -> object:
+        return bands_moved_to(cls.bands_section, content) if cls.bands_section else content
 
     def values(self) -> dict[str, Values]:
         """Return the parameters that are set, in one order: equal studies agree."""

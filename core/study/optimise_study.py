@@ -1,7 +1,7 @@
 """The study of the best values of some parameters over a grid of the others."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -128,6 +128,7 @@ ANGLES = {name: Between(0.0, 90.0) for name in DRIVE_ANGLES}
 class OptimiseStudy(DrivenStudy):
     """The best values of some parameters, over a grid of the others."""
 
+    bands_section: ClassVar[str] = "uncertain"
     kind: Literal["optimise"] = Field(description="The kind of study.")
     variant: str | None = Field(
         None,
@@ -161,7 +162,7 @@ class OptimiseStudy(DrivenStudy):
     uncertain: Uncertain | None = Field(
         None,
         description="Parameters that are not known exactly, such as friction: their bounds, or "
-        "their distributions.",
+        "their distributions; a range with low and high among the parameters is one of them.",
     )
     robust: Literal["worst", "mean", "quantile"] | None = Field(
         None,

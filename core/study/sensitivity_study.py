@@ -1,6 +1,6 @@
 """The study of outputs over parameters that are not known exactly, at each point of a grid."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, field_validator
 
@@ -47,6 +47,7 @@ class Demand(Frozen):
 class SensitivityStudy(DrivenStudy):
     """A study of outputs that vary with uncertain parameters, over a grid of the others."""
 
+    bands_section: ClassVar[str] = "uncertain"
     kind: Literal["sensitivity"] = Field(description="The kind of study.")
     variant: str | None = Field(
         None,
@@ -63,8 +64,10 @@ class SensitivityStudy(DrivenStudy):
     outputs: OutputNames = Field(
         description="Names of the outputs.", min_length=1, max_length=MAX_OUTPUTS
     )
-    uncertain: Uncertain = Field(
-        description="Parameters that are not known exactly, and their distributions."
+    uncertain: Uncertain | None = Field(
+        None,
+        description="Parameters that are not known exactly, and their distributions; a range with "
+        "low and high among the parameters is a uniform one.",
     )
     analyses: Annotated[
         tuple[Analysis, ...],

@@ -12,11 +12,12 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from operator import gt, lt
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibrafeed.core import materials
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.shown import Shown, ShownUnits
 from vibrafeed.core.study.units import UnitError, read_number, read_numbers
@@ -124,6 +125,7 @@ def _approximately(
 
 MAX_POINTS = 100_000_000  # values of one axis: more is a typing error, and would fill the memory
 RANGE_KEYS = ("start", "stop", "num", "step", "spacing")
+BAND_KEYS, PAIR_KEYS = ("low", "high"), ("pair", "surface")
 
 
 class NamedNumbers:
@@ -144,6 +146,18 @@ class Fixed:
     def canonical(self) -> Any:
         """Return the value as plain JSON, in the quantity's unit."""
         return self.value
+
+
+@dataclass(frozen=True)
+class Band(Fixed):
+    """The ends of a value that is not known better; the nominal value is the middle."""
+
+    low: float
+    high: float
+
+    def canonical(self) -> Any:
+        """Return the ends as plain JSON, in the quantity's unit."""
+        return {"low": self.low, "high": self.high}
 
 
 @dataclass(frozen=True)
@@ -239,7 +253,7 @@ def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Be
 
 
 def read_values(name: str, raw: object) -> Values:
-    """Return the values that a user wrote for a parameter: one, a list, or a range.
+    """Return the values that a user wrote for a parameter: one, a list, a range, or a band.
 
     Numbers without a unit are in the quantity's own. `name` is the parameter, `raw` what the user
     wrote.
@@ -247,11 +261,13 @@ def read_values(name: str, raw: object) -> Values:
     Raises
     ------
     UnitError
-        If they are no number, list or range of that quantity.
+        If they are no number, list, range or band of that quantity.
     """
     quantity = QUANTITIES[name]
     if isinstance(raw, Fixed | Points | Span):
         return raw
+    if is_band(raw):
+        return _read_band(name, quantity, raw)
     if isinstance(raw, Mapping):
         return _read_span(name, quantity, raw)
     if isinstance(raw, list | tuple):
@@ -351,6 +367,53 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
             f"Give an axis at most {MAX_POINTS:,} values: take a larger step",
         )
     return Span(start, stop, size, "log" if spacing == "log" else "linear")
+
+
+def is_band(raw: object) -> TypeGuard[Mapping[str, object]]:
+    """True for what a user writes of a value that is known within a band only."""
+    return isinstance(raw, Mapping) and not {*BAND_KEYS, *PAIR_KEYS}.isdisjoint(raw)
+
+
+def _read_band(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Band:
+    if "pair" in raw and set(raw) <= {*PAIR_KEYS}:
+        low, high = _published(name, str(raw["pair"])[:100], str(raw.get("surface", ""))[:100])
+    elif set(raw) == {*BAND_KEYS}:
+        low, high = (read_number(name, quantity, raw[end]) for end in BAND_KEYS)
+    else:
+        raise UnitError(
+            f"{name} has the keys {', '.join(map(str, raw))}"[:200],
+            'Write { low = 0.2, high = 0.4 }, or { pair = "steel on steel", surface = "dry" }',
+        )
+    if not low < high:
+        raise UnitError(
+            f"high ({high:g}{quantity.suffix}) of {name} is not above low "
+            f"({low:g}{quantity.suffix})",
+            "Swap low and high, or write one value without keys",
+        )
+    return Band(float((as_typed(low) + as_typed(high)) / 2), low, high)
+
+
+def _published(name: str, pair: str, surface: str) -> tuple[float, float]:
+    if "friction" not in name:
+        raise UnitError(
+            f"{name} is not a friction coefficient, so it has no pair", "Write low and high"
+        )
+    rows = materials.rows_of_pair(pair)
+    if not rows:
+        raise UnitError(
+            f"the table of friction has no pair '{pair}'", suggestion(pair, materials.pairs())
+        )
+    matching = [row for row in rows if materials.has_surface(row, surface)]
+    ends = [end for row in matching for end in materials.ends(row, "static" in name)]
+    if not ends:
+        known = ", ".join(dict.fromkeys(row["surface"] for row in rows if row["surface"]))
+        raise UnitError(f"'{surface}' is not a surface of {pair}", f"Known: {known}")
+    if min(ends) == max(ends):
+        raise UnitError(
+            f"the table has one value of {name} for {pair}, {ends[0]:g}, and no range",
+            f"Write low and high around it, or {name} = {ends[0]:g}",
+        )
+    return min(ends), max(ends)
 
 
 def _num(name: str, raw: object) -> int:

@@ -11,7 +11,8 @@ from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.lazy.reduced import Reduced
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.differences import Asked, asked_of, cells_of, derivatives
+from vibrafeed.core.plan.bands import Bands, bands_of, problem_of_added, problems_of_bands
+from vibrafeed.core.plan.differences import Added, Asked, asked_of, cells_of, derivatives
 from vibrafeed.core.plan.evaluate import evaluate
 from vibrafeed.core.plan.labels import (
     Sample,
@@ -22,7 +23,7 @@ from vibrafeed.core.plan.labels import (
 )
 from vibrafeed.core.plan.pieces import Computed, Kind
 from vibrafeed.core.plan.plan import choose_scene
-from vibrafeed.core.plan.prepared import Prepared, Price, plan_study
+from vibrafeed.core.plan.prepared import Prepared, plan_study
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.sweep_and_simulate import SweepStudy
 from vibrafeed.core.sweep.verify import accuracy, verified
@@ -38,12 +39,8 @@ class Sweep(Prepared):
 
     @property
     def not_lazy(self) -> Problem | None:
-        """The problem with computing cells on reading: derivatives need the whole grid."""
-        if not self.study.sensitivities:
-            return None
-        return Problem(
-            "sensitivities", "derivatives are computed as a whole, not where read", "Leave it out"
-        )
+        """The problem with computing cells on reading: what is added needs the whole grid."""
+        return problem_of_added(self.study.sensitivities, self.grid)
 
     @cached_property
     def derived(self) -> Asked | None:
@@ -51,9 +48,15 @@ class Sweep(Prepared):
         asked = self.study.sensitivities
         return asked_of(self.plan, self.study.values(), asked, self.cells) if asked else None
 
-    def _new_price(self) -> Price:
-        passes = 1 if self.derived is None else self.derived.passes
-        return Price(0.0, passes * super()._new_price().cell)
+    @cached_property
+    def bands(self) -> Bands | None:
+        """The bands of speeds in the result; None without any."""
+        return bands_of(self.plan, self.grid)
+
+    @property
+    def added(self) -> tuple[Added, ...]:
+        """Derivatives and ends of bands."""
+        return tuple(one for one in (self.derived, self.bands) if one is not None)
 
 
 class ReducedSweep(Reduced):
@@ -95,7 +98,7 @@ def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
     if asked is None:
         raise_any(problems)
         sweep = Sweep(study, plan, grid)
-        _ = sweep.derived  # which raises what is wrong with it
+        _ = sweep.added  # which raises what is wrong with it
         return sweep.check_verification()
     problems += problems_of(asked, plan, grid)
     raise_any(problems)
@@ -106,6 +109,7 @@ def _problems_of_form(study: SweepStudy) -> Iterable[Problem]:
     asked = study.reduce
     if asked is not None:
         yield from problems_of_names(asked, study.outputs, study.values())
+        yield from problems_of_bands(study.values())
     if asked is not None and study.sensitivities:
         yield Problem(
             "sensitivities",
@@ -124,6 +128,8 @@ def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
         part = plan.part(asked.outputs)
         found = derivatives(part, cells_of(part, grid), asked.parameters)
         arrays = {**arrays, **asked.arrays(plan, grid, prepared.dims, found)}
+    if prepared.bands is not None:
+        arrays = {**arrays, **prepared.bands.arrays(plan, grid, prepared.dims, watch)}
     return Computed(arrays)
 
 
@@ -138,8 +144,8 @@ def label(prepared: Sweep | ReducedSweep, computed: Computed, watch: Watch) -> T
         return {name: sample.at(arrays[name], dims[name]) for name in plan.outputs}
 
     variables = outputs_of(prepared, arrays) | verdict_variables(plan, dims, arrays)
-    if prepared.derived is not None:
-        variables |= prepared.derived.variables(prepared.dims, arrays)
+    for added in prepared.added:
+        variables |= added.variables(prepared.dims, arrays)
     attributes = {**attributes_of(prepared), **verified(prepared, values_at, watch)}
     return Table(coordinates_of(plan, prepared.grid), variables, attributes)
 

@@ -222,7 +222,7 @@ class TestDatasets:
                     **HOP, "delta": "10 deg", "length": "20 mm", "height": "12 mm",
                     "diameter": "8 mm", "restitution": 0.1, "duration": "0.2 s", "radius": "0.3 m",
                     "mass": "2 g", "hold_down_force": "1 mN", "parts": 3, "line_yield": 0.8,
-                    "line_purity": 0.9,
+                    "line_purity": 0.9, "burst_periods": 2,
                 }.items()
                 if name in needed(system, method)
             }  # fmt: skip

@@ -100,8 +100,8 @@ def test_a_name_that_nothing_is_like_gets_the_names_of_its_scene():
     (message,) = told(with_parameters(coating=1))
     assert message == (
         "parameters.coating: 'coating' is not a parameter. Known: alpha, amplitude, beta, "
-        "frequency, friction, friction_kinetic, friction_static, gamma, gravity, hold_down, "
-        "hold_down_force, length, line_purity, line_yield, mass, occupancy, part_gap, "
+        "burst_periods, frequency, friction, friction_kinetic, friction_static, gamma, gravity, "
+        "hold_down, hold_down_force, length, line_purity, line_yield, mass, occupancy, part_gap, "
         "peak_to_peak, restitution, vertical_amplitude, vertical_peak_to_peak."
     )
     (message,) = told(with_parameters(TRACK, coating=1))

@@ -1,0 +1,158 @@
+"""A drive that begins and ends: from rest, some periods long, until the part rests again.
+
+The acceleration of the drive acts from phase 0 on, that of a plain sine from 90 degrees on, where
+the track turns: so the track starts at rest and is at rest after whole periods. Part and events are
+those of the reference; afterwards the same laws act on a track at rest.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.method import (
+    TIME,
+    Burst,
+    Contacts,
+    Groups,
+    Path,
+    Trajectory,
+    TrajectoryRequest,
+    cells_of,
+    each,
+    groups_of,
+)
+from vibrafeed.core.motion.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, X, Z
+from vibrafeed.core.motion.reference.part import STOPPED, FailedError, Part
+from vibrafeed.core.motion.waves import ALONG, NORMAL, TURN, position_at, velocity_at
+from vibrafeed.core.quantities import MOTION_MODES
+from vibrafeed.core.watch import Watch
+
+MAX_COASTING = 1_000
+"""Periods of the drive, as a time, within which the part has to come to rest."""
+
+
+NO_PHASES = np.empty(0)
+
+
+class _Stopping(Part):
+    # A part that remembers the phase of its last event.
+    last = 0.0
+
+    def happen(self, event: str, mode: Mode) -> str:
+        self.last = self.phase if event else self.last
+        return super().happen(event, mode)
+
+    def close(self, mode: Mode, end: float) -> bool:
+        closed = super().close(mode, end)
+        self.last = self.phase if closed else self.last
+        return closed
+
+    @property
+    def rests(self) -> bool:
+        """True where the part lies on the floor without any speed."""
+        return self.on_floor and bool(np.all(np.abs(self.state[[UX, UY, UZ]]) <= STOPPED))
+
+
+def begins_at(groups: Groups) -> float:
+    """Return the phase of the drive at which a burst begins [rad]."""
+    return math.pi / 2 if groups.wave is None else 0.0
+
+
+def follow_burst(
+    groups: Groups, contacts: Contacts, periods: int, watch: Watch, at: Array = NO_PHASES
+) -> tuple[float, float, Array]:
+    """Return travel and coasting of one part, as in `Burst`, and its states.
+
+    The states, shape (n, 7), are those at phases `at` since the start, shape (n,), ascending.
+    """
+    start = begins_at(groups)
+    part = _Stopping(ReferenceLaws(groups, contacts), np.zeros(7), watch=watch)
+    part.phase = start
+    rows, phases = np.full((at.size, 7), np.nan), start + at
+    part.advance(start + periods * TURN, phases, rows)
+    still = groups._replace(
+        drive_number_along=0.0, drive_number_across=0.0, drive_number_normal=0.0, wave=None
+    )
+    part.laws, part.until, part.last = ReferenceLaws(still, contacts), math.inf, part.phase
+    end = part.phase
+    later = phases > end
+    for turn in range(MAX_COASTING):
+        if part.rests and held(still):
+            rows[later & np.isnan(rows[:, X])] = part.state
+            return float(part.state[X]), part.last - end, rows
+        until = end + (turn + 1) * TURN
+        now = later & (phases > part.phase) & (phases <= until)
+        some = rows[now]
+        part.advance(until, phases[now], some)
+        rows[now] = some
+    return math.nan, math.nan, rows
+
+
+def held(groups: Groups) -> bool:
+    """True where static friction holds a part on the track at rest."""
+    return bool(
+        abs(groups.gravity_number_along) <= groups.friction_static * groups.gravity_number_normal
+    )
+
+
+def burst_by_reference(
+    groups: Groups, contacts: Contacts, *, burst_periods: Array, watch: Watch | None = None
+) -> Burst:
+    """Return the way of parts from rest under a drive of some periods, theory 13.9.
+
+    For single points: a cell takes some milliseconds for a period.
+    """
+    watch = watch or Watch()
+    rows, shape = cells_of(groups, periods=burst_periods)
+    whole, (periods,) = groups_of(rows, groups.wave is not None, 1)
+    table = np.full((len(rows), 2), np.nan)
+    for cell, part in enumerate(each(whole)[0]):
+        try:
+            table[cell] = follow_burst(part, contacts, round(periods[cell]), watch)[:2]
+        except FailedError:
+            continue
+        except StoppedError:
+            break
+        watch.advance(1 / len(rows))
+    return Burst(*(column.reshape(shape) for column in table.T))
+
+
+def burst_trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+    """Return the trajectory of one part in a burst, until it rests or at the asked times."""
+    groups, periods = asked.groups, round(asked.known["burst_periods"].item())
+    times, phases = asked.times()
+    if isinstance(asked.samples, int):
+        lasts = periods * TURN + float(np.nan_to_num(asked.known["burst"].coasting.item()))
+        phases = np.linspace(0.0, lasts, asked.samples + 1)
+        times = phases * asked.scale("length_scale") / asked.scale("velocity_scale")
+    rows = follow_burst(groups, contacts, periods, asked.watch, phases)[2]
+    moved = asked.trajectory(
+        Path(phases, rows[:, :UX], rows[:, UX:SPIN]), _modes(rows), contacts.wall
+    )
+    ends, length = np.minimum(phases, periods * TURN), asked.scale("length_scale")
+    track = {
+        name: length * _track(groups, axis, ends)
+        for name, axis in (("track_along", ALONG), ("track_normal", NORMAL))
+    }
+    return {**moved, TIME: times, **track}
+
+
+def _modes(rows: Array) -> NDArray[np.int8]:
+    slip = np.where(np.abs(rows[:, UX]) <= STOPPED, 0.0, rows[:, UX])
+    names = np.select(
+        [np.isnan(slip), rows[:, Z] > 0.0, slip > 0.0, slip < 0.0],
+        [MOTION_MODES[name].value for name in ("unknown", "flight", "forward", "backward")],
+        MOTION_MODES["stick"].value,
+    )
+    return names.astype(np.int8)
+
+
+def _track(groups: Groups, axis: int, phases: Array) -> Array:
+    # Displacement of the track since it started from rest, in g/w^2.
+    if groups.wave is None:
+        return np.asarray(groups.drive[axis] * (np.cos(phases) - 1.0))
+    before = position_at(groups.wave, axis, 0.0) + velocity_at(groups.wave, axis, 0.0) * phases
+    return position_at(groups.wave, axis, phases) - before

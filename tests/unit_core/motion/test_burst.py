@@ -1,0 +1,127 @@
+"""Drives that begin and end: from rest, some periods long, until the part rests again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import vibrafeed
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.intake import prepare_content
+
+G = 9.81
+PERIOD = 0.02
+OUTPUTS = ["burst_displacement", "burst_coasting_time"]
+FAST_FIRST = {
+    "acceleration_along_1": -2 * G, "duration_1": PERIOD / 6,
+    "acceleration_along_2": 0.4 * G, "duration_2": 5 * PERIOD / 6,
+}  # fmt: skip
+FAST_LAST = {
+    "acceleration_along_1": 0.4 * G, "duration_1": 5 * PERIOD / 6,
+    "acceleration_along_2": -2 * G, "duration_2": PERIOD / 6,
+}  # fmt: skip
+FRICTION = {"friction_static": 0.5, "friction_kinetic": 0.3}
+SLIDES = {"amplitude": "0.1 mm", "beta": 30, "friction": 0.25, "gamma": 3}
+
+
+def burst(periods, outputs=(), **parameters):
+    return vibrafeed.simulate(
+        scene="rectangle-on-plane", frequency=50, gravity=G, burst_periods=periods,
+        outputs=[*OUTPUTS, *outputs], **parameters,
+    )  # fmt: skip
+
+
+def test_ten_periods_of_a_two_level_wave():
+    found = burst(10, ["conveying_velocity"], **FAST_FIRST, **FRICTION)
+    assert 1e3 * float(found.burst_displacement) == pytest.approx(3.176571429, abs=1e-9)
+    assert 1e3 * float(found.conveying_velocity) == pytest.approx(15.882857143, abs=1e-9)
+    assert float(found.burst_coasting_time) == 0
+
+
+def test_a_part_that_still_slides_coasts_as_friction_brakes_it():
+    # It slips in the fast level, and after it brakes at 0.7 g under the slow one, at 0.3 g at rest.
+    lasts = PERIOD / 6
+    speed = 1.7 * G * lasts
+    begins, brakes, coasts = 0.5 * speed * lasts, *(speed**2 / (2 * d * G) for d in (0.7, 0.3))
+    found = burst([1, 4], **FAST_LAST, **FRICTION)
+    ways = [begins + coasts, 4 * begins + 3 * brakes + coasts]
+    assert found.burst_displacement.values == pytest.approx(ways, rel=1e-10)
+    assert found.burst_coasting_time.values == pytest.approx([speed / (0.3 * G)] * 2, rel=1e-10)
+
+
+def stepped(periods, amplitude, beta, friction, gamma, steps=200_000):
+    """Follow a sliding part by small steps of time: another method, and another program."""
+    beta, gamma, w = np.deg2rad(beta), np.deg2rad(gamma), 2 * np.pi / PERIOD
+    end, step = periods * PERIOD, PERIOD / steps * periods
+    speed = way = time = 0.0
+    while time < 4 * end:
+        track = -amplitude * w**2 * np.cos(w * time) if time < end else 0.0
+        load = G * np.cos(gamma) + track * np.sin(beta)
+        assert load > 0
+        push = -G * np.sin(gamma) - track * np.cos(beta)
+        after = speed + push * step
+        brake = friction * load * step
+        speed = after - np.sign(after) * min(abs(after), brake)
+        way += speed * step
+        time += step
+        if time >= end and speed == 0:
+            break
+    return way, time - end
+
+
+def test_a_sine_agrees_with_small_steps_of_time():
+    found = burst(3, **SLIDES)
+    way, coasting = stepped(3, 1e-4, 30, 0.25, 3)
+    assert float(found.burst_displacement) == pytest.approx(way, rel=2e-3)
+    assert float(found.burst_coasting_time) == pytest.approx(coasting, rel=1e-2)
+
+
+def test_a_long_burst_travels_as_a_drive_that_never_ends():
+    periods = np.array([20, 100])
+    found = burst([20, 100], ["conveying_velocity"], **SLIDES)
+    steady = float(found.conveying_velocity) * PERIOD * periods
+    extra = found.burst_displacement - steady
+    # The start and the end cost the same way, whatever lies between.
+    assert extra.values[0] == pytest.approx(extra.values[1], abs=1e-8)
+
+
+def test_what_never_rests_has_no_way_and_a_weak_drive_moves_nothing():
+    assert np.isnan(burst(2, amplitude=1e-4, beta=30, friction=0.2, gamma=15).burst_displacement)
+    assert float(burst(5, amplitude=1e-5, beta=20, friction=0.4).burst_displacement) == 0
+
+
+def test_a_burst_has_whole_periods():
+    content = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": OUTPUTS}
+    parameters = {"frequency": 50, "amplitude": 1e-4, "beta": 20, "friction": 0.3}
+    for more, told in (({"burst_periods": 2.5}, "whole"), ({}, "missing")):
+        with pytest.raises(StudyError) as caught:
+            prepare_content({**content, "parameters": parameters | more})
+        (problem,) = caught.value.problems
+        assert problem.place == "parameters.burst_periods"
+        assert told in problem.message
+
+
+def test_a_trajectory_ends_where_the_part_rests():
+    found = burst(2, **FAST_LAST, **FRICTION, trajectory=600)
+    end = 2 * PERIOD + float(found.burst_coasting_time)
+    time, way = found.cycle_time.values, found.position_along.values
+    assert time[-1] == pytest.approx(end, rel=1e-12)
+    assert way[-1] == pytest.approx(float(found.burst_displacement), rel=1e-12)
+    speed = found.relative_velocity_along.values
+    assert np.trapezoid(speed, time) == pytest.approx(way[-1], rel=1e-4)
+    # The track: 0.4 g for 5/6 of a period from rest, then it stops, and stays.
+    rise, peak = 0.5 * 0.4 * G * (5 * PERIOD / 6) ** 2, 0.4 * G * 5 * PERIOD / 6
+    at = np.interp(5 * PERIOD / 6, time, found.track_along.values)
+    assert at == pytest.approx(rise, rel=1e-4)
+    assert found.track_along.values[-1] == pytest.approx(2 * 0.5 * peak * PERIOD, rel=1e-12)
+    assert found.motion_mode.values[0] == 0
+
+
+def test_a_trajectory_at_times_goes_on_in_rest():
+    found = burst(3, ["feed_rate"], length=0.01, **SLIDES, trajectory=[0, 0.03, 0.06, 0.5])
+    assert found.position_along.values[0] == 0
+    assert found.position_along.values[-1] == pytest.approx(float(found.burst_displacement))
+    assert found.track_along.values == pytest.approx(
+        [0, -2e-4 * np.cos(np.pi / 6), 0, 0], abs=1e-12
+    )
+    assert found.motion_mode.values[-1] == 0
