@@ -1,10 +1,9 @@
-"""A solid with a closed surface of triangles: its mass, its hull, and the aspects in which it lies.
+"""The aspects of a solid: the ways in which it lies on its hull, and how sure it stands.
 
 An aspect is a way of lying: on a face of the hull, the foot of the centre of mass inside that face.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull
+from trimesh import Trimesh
 
 from vibrafeed.core.quantities.orienting import MAX_ASPECTS, PartAspect
 
@@ -31,51 +31,10 @@ RISE, ROUNDED = 5e-3, np.cos(np.radians(12))
 less than this share of the size from one to the other."""
 COMPARED = 64
 """Corners by which a turned hull is compared."""
-MAX_CORNERS = 500
-"""Corners that show a hull."""
 
 
 class RoundedError(ValueError):
     """A solid that rests on too many faces, as the facets of a sphere."""
-
-
-@dataclass(frozen=True)
-class Solid:
-    """A solid of density 1: its volume [m3], centre [m], and moments of inertia about it [m5].
-
-    `inertia` has the shape (3, 3), `points` (n, 3) are the corners of its surface.
-    """
-
-    points: Floats
-    volume: float
-    centre: Floats
-    inertia: Floats
-
-    @cached_property
-    def hull(self) -> "Hull":
-        """The hull about the centre of mass."""
-        return Hull(self.points - self.centre)
-
-
-def solid_of(points: Floats, triangles: Indices) -> Solid:
-    """Return the solid inside a closed surface, whose triangles (m, 3) number points (n, 3) [m].
-
-    Seen from outside their corners go round counter-clockwise. Each triangle and the origin span a
-    tetrahedron; volume, first and second moments are sums over them (theory 16.5). The origin is
-    moved into the middle before, which loses no digits.
-    """
-    middle = (points.min(0) + points.max(0)) / 2
-    corners = (points - middle)[triangles]
-    volumes = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
-    volume = volumes.sum()
-    sums = corners.sum(1)
-    centre = volumes @ sums / (4 * volume) if volume else np.zeros(3)
-    # The covariance of a tetrahedron with a corner at the origin.
-    second = np.einsum("i,ij,ik->jk", volumes, sums, sums)
-    second += np.einsum("i,iaj,iak->jk", volumes, corners, corners)
-    covariance = second / 20 - volume * np.outer(centre, centre)
-    inertia = np.trace(covariance) * np.eye(3) - covariance
-    return Solid(points, float(volume), centre + middle, inertia)
 
 
 class Hull:
@@ -130,17 +89,6 @@ class Hull:
         below += dot("ij,ij->i", b, c) * lengths[0] + dot("ij,ij->i", c, a) * lengths[1]
         angles = np.bincount(self.faces, 2 * np.arctan2(volume, below), len(self.heights))
         return angles / (4 * np.pi)
-
-    def extreme_points(self) -> Floats:
-        """Return corners that show the hull: all, or the farthest in `MAX_CORNERS` directions."""
-        if len(self.points) <= MAX_CORNERS:
-            return self.points
-        # Directions on a spiral, which are evenly spread.
-        along = (np.arange(MAX_CORNERS) + 0.5) * 2 / MAX_CORNERS - 1
-        turn = np.arange(MAX_CORNERS) * np.pi * (3 - np.sqrt(5))
-        out = np.sqrt(1 - along**2)
-        directions = np.stack([out * np.cos(turn), out * np.sin(turn), along], axis=1)
-        return self.points[sorted({int((self.points @ one).argmax()) for one in directions})]
 
     @cached_property
     def rims(self) -> "Rims":
@@ -238,7 +186,7 @@ def _frame(down: Floats) -> Floats:
     return np.stack([first, np.cross(-down, first), -down])
 
 
-def aspects_of(solid: Solid) -> tuple[PartAspect, ...]:
+def aspects_of(solid: Trimesh) -> tuple[PartAspect, ...]:
     """Return the aspects of a solid, the centre of mass of the first being the lowest.
 
     A let-down solid ends on the face through which its weight acts: the share of a face is the
@@ -252,9 +200,11 @@ def aspects_of(solid: Solid) -> tuple[PartAspect, ...]:
     RoundedError
         If there are more than `MAX_ASPECTS`.
     """
-    hull = solid.hull
+    hull = Hull(solid.vertices - solid.center_mass)
+    gyration = solid.moment_inertia / solid.volume
     sides = hull.joined_ends()
-    shares: Floats = np.bincount(sides[hull.ends], hull.solid_angles(), sides.max() + 1)[sides]
+    angles = np.bincount(sides[hull.ends], hull.solid_angles(), len(sides))
+    shares = angles.astype(np.float64)[sides]
     faces = np.unique(hull.ends)
     # Heights that differ by rounding are equal, and the larger share comes first.
     faces = faces[np.lexsort((-shares[faces], (hull.heights[faces] / hull.size / ALIKE).round()))]
@@ -263,7 +213,7 @@ def aspects_of(solid: Solid) -> tuple[PartAspect, ...]:
     together = np.array([shares[one].sum() for one in groups])
     thrown = together * [(1 - hull.heights[one[0]] / hull.size) ** 2 for one in groups]
     return tuple(
-        _aspect(solid, one[0], float(share), float(other))
+        _aspect(hull, gyration, one[0], float(share), float(other))
         for one, share, other in zip(groups, together, thrown / thrown.sum(), strict=True)
     )
 
@@ -285,8 +235,7 @@ def _alike(hull: Hull, faces: Indices, shares: Floats) -> list[list[int]]:
     return groups
 
 
-def _aspect(solid: Solid, face: int, let_down: float, thrown: float) -> PartAspect:
-    hull = solid.hull
+def _aspect(hull: Hull, gyration: Floats, face: int, let_down: float, thrown: float) -> PartAspect:
     down, height = hull.normals[face], hull.heights[face]
     axes = _frame(down)
     flat = hull.points @ axes[:2].T
@@ -308,7 +257,7 @@ def _aspect(solid: Solid, face: int, let_down: float, thrown: float) -> PartAspe
         base_along=base_along,
         base_across=_reach(base, across),
         base_least=max(0.0, float(hull.edge_distances[face])),
-        gyration=float(np.sqrt(about @ solid.inertia @ about / solid.volume)),
+        gyration=float(np.sqrt(about @ gyration @ about)),
         down=(float(down[0]), float(down[1]), float(down[2])),
         along=tuple(map(float, along @ axes[:2])),  # type: ignore[arg-type] # three of them
     )

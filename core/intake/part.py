@@ -6,10 +6,9 @@ import hashlib
 import io
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
@@ -18,13 +17,18 @@ from vibrafeed.core.intake.section import (
     Resolved,
     Section,
     Stranger,
-    advice_on_path,
+    file_beside,
     no_field,
     problems_of,
+    source_of,
+    unreadable,
 )
 from vibrafeed.core.quantities.orienting import PartAspect
 from vibrafeed.core.scenes.scene import MESH
-from vibrafeed.core.study.part_study import UNITS, PartFile, PartOfFile
+from vibrafeed.core.study.part_study import MAX_CORNERS, UNITS, PartFile, PartOfFile
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 MAX_BYTES = 50_000_000  # a million triangles of a binary STL
 MAX_TRIANGLES = 1_000_000
@@ -32,6 +36,8 @@ SUFFIXES = (".stl", ".obj", ".ply")
 SIZES = (1e-5, 10.0)  # m, of parts
 FLAT = 1e-9  # volume over the cube of the length, below which there is none
 DIGITS = 12  # of kept numbers: few enough to be equal on all processors
+DRAWN = 5  # of numbers for pictures
+CELLS = 12  # of a surface along its diagonal, of which pictures show one corner
 EXPORT = "Export the part from the CAD program again, as one closed solid"
 BESIDE_PART: Final = {"variant": MESH, "parameters": {}}
 """Keys of a study that may be left out beside `part`."""
@@ -75,7 +81,7 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
 
     `files` is True if files of this machine may be read. Raises `StudyError` with every problem.
     """
-    from vibrafeed.core.solid import RoundedError, aspects_of, solid_of  # scipy's hulls
+    from vibrafeed.core.solid import RoundedError, aspects_of  # with trimesh, half a second
 
     try:
         asked = PartFile.model_validate(part)
@@ -83,10 +89,9 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
         raise StudyError(problems_of(error, {"part": PART}, PART.unknown, within="part")) from None
     raw, name = _content(asked, files)
     path = "part.data" if asked.file is None else "part.file"
-    points, triangles = _surface(raw, name, path, UNITS[asked.unit])
-    raise_any(_faults(triangles, name, path))
-    solid = solid_of(points, triangles)
-    raise_any(_faults_of_volume(solid.volume / np.ptp(points, axis=0).max() ** 3, name, path))
+    solid = _solid(raw, name, path, UNITS[asked.unit])
+    with np.errstate(invalid="ignore", divide="ignore"):  # without volume there is no centre
+        raise_any(_faults(solid, name, path))
     try:
         aspects = aspects_of(solid)
     except RoundedError as error:
@@ -96,21 +101,33 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
             "Export it with finer facets, or give a round part as another variant, such as "
             "cylinder",
         ) from None
+    drawn = _drawn(solid)
     return PartOfFile(
         name=name,
         sha256=hashlib.sha256(raw).hexdigest(),
         volume=_rounded(solid.volume),
-        centre=_rounded(solid.centre),
-        inertia=_rounded(solid.inertia),
+        centre=_rounded(solid.center_mass),
+        inertia=_rounded(solid.moment_inertia),
         aspects=tuple(_kept(one) for one in aspects),
-        corners=_rounded(solid.hull.extreme_points()),
+        corners=_rounded(drawn.vertices - solid.center_mass, DRAWN),
+        triangles=tuple(map(tuple, drawn.faces.tolist())),
     )
 
 
-def _rounded(values: Any) -> Any:
+def _drawn(solid: "Trimesh") -> "Trimesh":
+    """The surface, or if it is too fine for pictures the hull of some of its corners."""
+    if len(solid.vertices) <= MAX_CORNERS and len(solid.faces) <= 2 * MAX_CORNERS:
+        return solid
+    from trimesh.convex import convex_hull  # as above
+
+    cells = (solid.vertices / solid.scale * CELLS).round()
+    return convex_hull(solid.vertices[np.unique(cells, axis=0, return_index=True)[1]])
+
+
+def _rounded(values: Any, digits: int = DIGITS) -> Any:
     if np.ndim(values):
-        return tuple(_rounded(one) for one in np.asarray(values).tolist())
-    return float(f"{values:.{DIGITS}g}")
+        return tuple(_rounded(one, digits) for one in np.asarray(values).tolist())
+    return float(f"{values:.{digits}g}")
 
 
 def _kept(aspect: PartAspect) -> PartAspect:
@@ -118,33 +135,22 @@ def _kept(aspect: PartAspect) -> PartAspect:
 
 
 def _content(asked: PartFile, files: bool) -> tuple[bytes, str]:
-    data = "data = the text of an ASCII STL or OBJ file, or a binary STL file in Base64"
-    fix = f"Give file = the name of the file, or {data}" if files else f"Give {data}"
-    if (asked.file is None) == (asked.data is None):
-        said = "names no file" if asked.data is None else "gives both file and data"
-        raise refused("part", f"the part {said}", fix)
-    if asked.data is not None:
-        return _of_text(asked.data), "data"
-    if not files or asked.file is None:
-        raise refused("part.file", "the service cannot read the file from your computer", fix)
-    kind = asked.file.suffix.lower()
-    if kind not in SUFFIXES:
+    text = "the text of an ASCII STL or OBJ file, or a binary STL file in Base64"
+    source = source_of("part", asked.file, asked.data, "file", text, files=files)
+    if isinstance(source, str):
+        return _of_text(source), "data"
+    if source.suffix.lower() not in SUFFIXES:
         raise refused(
             "part.file",
-            f"'{asked.file.name[:60]}' is not an STL, OBJ or PLY file",
+            f"'{source.name[:60]}' is not an STL, OBJ or PLY file",
             "Export the part from the CAD program as STL",
         )
     try:
-        size = asked.file.stat().st_size
-        if size > MAX_BYTES:
-            raise _too_large("part.file", asked.file.name)
-        return asked.file.read_bytes(), asked.file.name
+        if source.stat().st_size > MAX_BYTES:
+            raise _too_large("part.file", source.name)
+        return source.read_bytes(), source.name
     except (OSError, ValueError) as error:  # a NUL in its name is the second
-        raise refused(
-            "part.file",
-            f"it cannot be read: {getattr(error, 'strerror', None) or error}",
-            advice_on_path(asked.file, "Name the file by its path from the folder of the study"),
-        ) from None
+        raise unreadable("part.file", error, source, "the file") from None
 
 
 def _too_large(path: str, name: str) -> StudyError:
@@ -162,27 +168,25 @@ def _of_text(text: str) -> bytes:
         return text.encode("utf-8", "surrogatepass")
 
 
-def _surface(
-    raw: bytes, name: str, path: str, metre: float
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    from trimesh import Trimesh, load_mesh  # half a second, and few studies need it
+def _solid(raw: bytes, name: str, path: str, metre: float) -> "Trimesh":
+    from trimesh import Trimesh, load_mesh  # as above
 
     kind = Path(name).suffix.lower().removeprefix(".")
     if not kind:
         kind = "stl" if raw[:5] == b"solid" or b"\0" in raw[:84] else "obj"
     try:
-        mesh = load_mesh(io.BytesIO(raw), file_type=kind, process=False)
+        solid = load_mesh(io.BytesIO(raw), file_type=kind, process=False)
     except Exception as error:  # of a damaged file the library raises of many kinds
         raise refused(
             path, f"{name} is damaged, or is not a file of its kind: {error}"[:300], EXPORT
         ) from None
-    if not isinstance(mesh, Trimesh) or not len(mesh.faces):
+    if not isinstance(solid, Trimesh) or not len(solid.faces):
         raise refused(path, f"{name} has no triangles, or is damaged", EXPORT)
-    if len(mesh.faces) > MAX_TRIANGLES:
+    if len(solid.faces) > MAX_TRIANGLES:
         raise _too_large(path, name)
-    if not np.isfinite(mesh.vertices).all():
+    if not np.isfinite(solid.vertices).all():
         raise refused(path, f"{name} has coordinates that are not finite numbers", EXPORT)
-    size = metre * float(np.ptp(mesh.vertices, axis=0).max())
+    size = metre * float(np.ptp(solid.vertices, axis=0).max())
     if not SIZES[0] <= size <= SIZES[1]:
         raise refused(
             "part.unit",
@@ -190,63 +194,28 @@ def _surface(
             f"Parts are {SIZES[0]:g} to {SIZES[1]:g} m long; give the unit of the file's "
             f"coordinates: {', '.join(UNITS)}",
         )
-    mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    triangles = np.asarray(mesh.faces, dtype=np.int64)
+    solid.merge_vertices(merge_tex=True, merge_norm=True)
+    corners = solid.faces
     # A triangle with two corners at one point covers nothing.
-    flat = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
-    return metre * np.asarray(mesh.vertices, dtype=np.float64), triangles[~flat]
+    solid.update_faces((corners != np.roll(corners, 1, axis=1)).all(axis=1))
+    solid.apply_scale(metre)  # type: ignore[no-untyped-call]
+    return solid
 
 
-def _faults(triangles: NDArray[np.int64], name: str, path: str) -> Iterable[Problem]:
-    starts, ends = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    # A number for each edge, and another for the same edge in the other direction.
-    count = int(triangles.max(initial=0)) + 1
-    sides, opposite = starts * count + ends, ends * count + starts
-    _, times = np.unique(np.minimum(sides, opposite), return_counts=True)
-    lone, shared = int((times == 1).sum()), int((times > 2).sum())
-    if lone:
+def _faults(solid: "Trimesh", name: str, path: str) -> Iterable[Problem]:
+    repair = f"{EXPORT}, or mend it with a repair tool such as MeshLab"
+    if not solid.is_watertight:
         yield Problem(
-            path,
-            f"the surface of {name} is open: {lone:,} edges belong to one triangle only",
-            f"{EXPORT}, or close the holes with a repair tool such as MeshLab",
+            path, f"the surface of {name} is not closed, or has edges of three triangles", repair
         )
-    if shared:
-        yield Problem(path, f"{shared:,} edges of {name} belong to more than two triangles", EXPORT)
-    if not lone and not shared and len(np.unique(sides)) < len(sides):
-        yield Problem(
-            path,
-            f"some triangles of {name} face outwards, others inwards",
-            f"{EXPORT}, or let a repair tool such as MeshLab turn all normals outwards",
-        )
-    bodies = _bodies(starts, ends)
-    if bodies > 1:
-        yield Problem(path, f"{name} has {bodies:,} separate bodies", "Export a single part")
-
-
-def _faults_of_volume(volume: float, name: str, path: str) -> Iterable[Problem]:
-    if abs(volume) < FLAT:
+    if not solid.is_winding_consistent:
+        yield Problem(path, f"some triangles of {name} face outwards, others inwards", repair)
+    if solid.body_count > 1:
+        yield Problem(path, f"{name} has {solid.body_count:,} bodies", "Export a single part")
+    if solid.is_watertight and abs(solid.volume) < FLAT * solid.scale**3:
         yield Problem(path, f"{name} encloses no volume", EXPORT)
-    elif volume < 0:
-        yield Problem(
-            path,
-            f"{name} is inside out: its triangles face inwards",
-            f"{EXPORT}, or let a repair tool such as MeshLab turn all normals outwards",
-        )
-
-
-def _bodies(starts: NDArray[np.int64], ends: NDArray[np.int64]) -> int:
-    from scipy.sparse import coo_array  # few studies need it
-    from scipy.sparse.csgraph import connected_components
-
-    known, number = np.unique(np.concatenate([starts, ends]), return_inverse=True)
-    a, b = np.split(number, 2)
-    graph = coo_array((np.ones(len(a), bool), (a, b)), shape=(len(known),) * 2)
-    return int(connected_components(graph, directed=False)[0])
-
-
-def _beside(part: Any, folder: Path) -> Any:
-    is_named = isinstance(part, dict) and isinstance(part.get("file"), str)
-    return {**part, "file": str(folder / part["file"])} if is_named else part
+    elif solid.is_watertight and solid.volume < 0:
+        yield Problem(path, f"{name} is inside out: its triangles face inwards", repair)
 
 
 def _absent(stranger: Stranger) -> Problem:
@@ -258,7 +227,7 @@ def _absent(stranger: Stranger) -> Problem:
 
 
 PART: Final = Section(
-    beside=_beside,
+    beside=file_beside,
     resolve=_with_part,
     unknown=lambda stranger: no_field(stranger, PartFile),
     absent=_absent,

@@ -4,15 +4,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
 
 from vibrafeed.core.quantities.orienting import MAX_ASPECTS, PartAspect
-from vibrafeed.core.study.grid_study import refusal
+from vibrafeed.core.study.grid_study import CARRY_OUT, FromFile
 
 UNITS: Final[Mapping[str, float]] = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254, "in": 0.0254}
 """The units of coordinates, in metres."""
-MAX_TEXT, MAX_CORNERS = 70_000_000, 500
+MAX_TEXT = 70_000_000
+MAX_CORNERS = 1_000  # of a surface that pictures show
 _Vector = tuple[float, float, float]
+_Corner = Annotated[int, Field(ge=0, lt=MAX_CORNERS)]
 
 
 class PartFile(BaseModel):
@@ -49,44 +51,34 @@ class PartOfFile(BaseModel):
     inertia: tuple[_Vector, _Vector, _Vector] = Field(
         description="Moments of inertia about the centre of mass over the density [m5]."
     )
-    aspects: tuple[PartAspect, ...] = Field(
+    aspects: Annotated[
+        tuple[PartAspect, ...], WithJsonSchema({"type": "array", "items": {"type": "object"}})
+    ] = Field(
         description="The ways in which it lies, the lowest centre of mass first.",
         min_length=1,
         max_length=MAX_ASPECTS,
     )
     corners: tuple[_Vector, ...] = Field(
-        description="Corners of its hull, from the centre of mass [m].", max_length=MAX_CORNERS
+        description="Of its surface, or of its hull, from the centre of mass [m]: for pictures.",
+        max_length=MAX_CORNERS,
+    )
+    triangles: tuple[tuple[_Corner, _Corner, _Corner], ...] = Field(
+        description="The numbers of their corners, from 0.", max_length=2 * MAX_CORNERS
     )
 
 
-def _was_read(raw: object) -> object:
-    if raw is None or isinstance(raw, PartOfFile) or (isinstance(raw, Mapping) and "sha256" in raw):
-        return raw
-    if isinstance(raw, Mapping):
-        raise refusal(
-            "its file has not been read yet",
-            "Carry the study out, or load it by vibrafeed.load_study",
-        )
-    raise refusal(
-        f"{str(raw)[:40]!r} does not say how to read a part",
-        'Write [part] with file = "bracket.stl" and unit = "mm"',
-    )
-
-
-class _Written:
-    """The JSON Schema of a study's `part`, made when it is asked for."""
-
-    def __get_pydantic_json_schema__(self, *_: object) -> dict[str, Any]:
-        source = {"oneOf": [{"required": ["file"]}, {"required": ["data"]}]}
-        kept = PartOfFile.model_json_schema()
-        kept["properties"]["aspects"]["items"] = kept.pop("$defs")["PartAspect"]
-        return {
-            "anyOf": [PartFile.model_json_schema() | source, kept, {"type": "null"}],
-            "default": None,
-        }
-
-
-Part = Annotated[PartOfFile | None, BeforeValidator(_was_read), _Written()]
+Part = Annotated[
+    PartOfFile | None,
+    FromFile(
+        PartFile,
+        PartOfFile,
+        ("its file has not been read yet", CARRY_OUT),
+        (
+            "does not say how to read a part",
+            'Write [part] with file = "bracket.stl" and unit = "mm"',
+        ),
+    ),
+]
 PART: Final[Any] = Field(
     None, description="A part from a file, for the variant mesh of resting-part, orienting-line."
 )

@@ -141,10 +141,10 @@ def test_a_service_reads_no_files():
 def test_bad_surfaces_are_refused():
     corners = triangles(trimesh.creation.box((30, 20, 10)))
     bad = {
-        "is open: 3 edges": corners[1:],
+        "is not closed": corners[1:],
         "inside out": corners[:, ::-1],
         "some triangles": np.concatenate([corners[:1, ::-1], corners[1:]]),
-        "has 2 separate bodies": np.concatenate([corners, corners + 100]),
+        "has 2 bodies": np.concatenate([corners, corners + 100]),
         "encloses no volume": corners * [1, 1, 0],
         "m long": corners * 1e6,
         "not finite": np.where(corners == 15, np.nan, corners),
@@ -160,8 +160,8 @@ def test_all_faults_at_once_with_those_of_the_study():
         prepare_content({"kind": "sweep", "scene": "resting-part", "outputs": SHARES,
                          "part": part, "parameters": {"gravity": "x"}}, files=True)  # fmt: skip
     said = str(caught.value)
-    assert "is open" in said
-    assert "2 separate bodies" in said
+    assert "is not closed" in said
+    assert "2 bodies" in said
     assert "parameters.gravity" in said
 
 
