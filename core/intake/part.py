@@ -36,7 +36,7 @@ SUFFIXES = (".stl", ".obj", ".ply")
 SIZES = (1e-5, 10.0)  # m, of parts
 FLAT = 1e-9  # volume over the cube of the length, below which there is none
 DIGITS = 12  # of kept numbers: few enough to be equal on all processors
-DRAWN = 5  # of numbers for pictures
+PICTURE_DIGITS = 5  # of numbers for pictures
 CELLS = 12  # of a surface along its diagonal, of which pictures show one corner
 EXPORT = "Export the part from the CAD program again, as one closed solid"
 BESIDE_PART: Final = {"variant": MESH, "parameters": {}}
@@ -101,7 +101,7 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
             "Export it with finer facets, or give a round part as another variant, such as "
             "cylinder",
         ) from None
-    drawn = _drawn(solid)
+    surface = _coarse_surface(solid)
     return PartOfFile(
         name=name,
         sha256=hashlib.sha256(raw).hexdigest(),
@@ -109,12 +109,12 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
         centre=_rounded(solid.center_mass),
         inertia=_rounded(solid.moment_inertia),
         aspects=tuple(_kept(one) for one in aspects),
-        corners=_rounded(drawn.vertices - solid.center_mass, DRAWN),
-        triangles=tuple(map(tuple, drawn.faces.tolist())),
+        corners=_rounded(surface.vertices - solid.center_mass, PICTURE_DIGITS),
+        triangles=tuple(map(tuple, surface.faces.tolist())),
     )
 
 
-def _drawn(solid: "Trimesh") -> "Trimesh":
+def _coarse_surface(solid: "Trimesh") -> "Trimesh":
     """The surface, or if it is too fine for pictures the hull of some of its corners."""
     if len(solid.vertices) <= MAX_CORNERS and len(solid.faces) <= 2 * MAX_CORNERS:
         return solid
@@ -203,7 +203,7 @@ def _solid(raw: bytes, name: str, path: str, metre: float) -> "Trimesh":
 
 
 def _faults(solid: "Trimesh", name: str, path: str) -> Iterable[Problem]:
-    repair = f"{EXPORT}, or mend it with a repair tool such as MeshLab"
+    repair = f"{EXPORT}, or fix it with a repair tool such as MeshLab"
     if not solid.is_watertight:
         yield Problem(
             path, f"the surface of {name} is not closed, or has edges of three triangles", repair

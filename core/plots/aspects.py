@@ -39,12 +39,12 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
     corners, edges = _pieces(np.array(part["corners"]), np.array(part["triangles"]))
     unit = options.units.of("m", float(np.ptp(corners, axis=(0, 1)).max()))
-    for place, (panel, aspect) in enumerate(zip(panels, aspects, strict=False), 1):
+    for order, (panel, aspect) in enumerate(zip(panels, aspects, strict=False), 1):
         _draw_aspect(panel, corners, edges, aspect, style)
-        _label(panel, place, aspect, unit, style)
+        _label(panel, order, aspect, unit, style)
     reach = max(float(np.abs(panel.dataLim.get_points()).max()) for panel in panels[: len(aspects)])
     for panel in panels:
-        panel.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+        panel.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
         panel.axis("off")
     finish(figure, panels[0], style, name=options.title or f"How {part['name']} comes to rest")
     note = "Shares of parts that are let down, and thrown: the truth lies between"
@@ -119,14 +119,14 @@ def _draw_aspect(
     panel.update_datalim(flat.reshape(-1, 2))
 
 
-def _label(panel: Axes, place: int, aspect: dict[str, Any], unit: Shown, style: Style) -> None:
+def _label(panel: Axes, order: int, aspect: dict[str, Any], unit: Shown, style: Style) -> None:
     shares = sorted(100 * aspect[f"{one}_share"] for one in ("let_down", "thrown"))
     low, high = (f"{one:.0f}" for one in shares)
     bracket = low if low == high else f"{low} to {high}"
     height, lane = (number(aspect[one] * unit.factor, 3) for one in ("height", "width"))
     panel.text(
         0.5, 0.0,
-        f"{place}: {bracket} %\n{height} {unit.unit} high, lane {lane} {unit.unit}",
+        f"{order}: {bracket} %\n{height} {unit.unit} high, lane {lane} {unit.unit}",
         transform=panel.transAxes, ha="center", va="top", fontsize=style.text(9.5),
         color=style.ink, linespacing=1.4,
     )  # fmt: skip
