@@ -6,7 +6,7 @@ The scene is fitted to a study before that is planned: a line of two devices kno
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any
@@ -27,6 +27,7 @@ from vibrafeed.core.scenes.resting_part import (
 )
 from vibrafeed.core.scenes.scene import (
     MESH,
+    UNREAD,
     Condition,
     Constraint,
     Equation,
@@ -261,21 +262,18 @@ def passed_shares_of(shape: str) -> tuple[Equation, ...]:
     )  # fmt: skip
 
 
-def equations(shape: str, part: MeshPart | None) -> tuple[Equation, ...]:
+def equations(shape: str, part: MeshPart) -> tuple[Equation, ...]:
     """Return the equations of an orienting line for a shape of parts, without those of the devices.
 
-    `shape` is a key of `ASPECTS`, or `MESH` of a `part`; without it only their inputs are known.
+    `shape` is a key of `ASPECTS`, or `MESH` of a `part`.
     """
-    return (
-        *(_of_mesh(part) if shape == MESH else _of_shape(shape)),
-        *counted(len(part.aspects) if part and shape == MESH else aspects_of(shape)),
-        *RESULTS,
-    )
+    own = _of_mesh(part) if shape == MESH else _of_shape(shape)
+    return (*own, *counted(aspects_of(shape, part)), *RESULTS)
 
 
-def aspects_of(shape: str) -> int:
-    """Return the number of a shape's aspects, of `MESH` those that can have numbers."""
-    return NUMBERED if shape == MESH else len(ASPECTS[shape])
+def aspects_of(shape: str, part: MeshPart) -> int:
+    """Return the number of a shape's aspects."""
+    return len(part.aspects if shape == MESH else ASPECTS[shape])
 
 
 def counted(aspects: int) -> tuple[Equation, ...]:
@@ -301,8 +299,8 @@ def _constant(value: tuple[Any, ...]) -> tuple[Any, ...]:
     return value
 
 
-def _of_mesh(part: MeshPart | None) -> tuple[Equation, ...]:
-    aspects = part.aspects if part else ()
+def _of_mesh(part: MeshPart) -> tuple[Equation, ...]:
+    aspects = part.aspects
     bundles: dict[str, tuple[tuple[Any, ...], str]] = {
         "let_down_shares": (tuple(one.let_down_share for one in aspects), "share let down [1]"),
         "thrown_shares": (tuple(one.thrown_share for one in aspects), "share thrown [1]"),
@@ -336,7 +334,7 @@ def any_line(shape: str) -> tuple[Equation, ...]:
         ("counted_line", TEST, ("counted_shares", "devices")),
     )
     return (
-        *equations(shape, None),
+        *equations(shape, UNREAD),
         *(Equation(gives, _unfitted, source, needs=needs) for gives, source, needs in listed),
         Equation("line_ends", orienting.line_ends, LINE),
     )
@@ -359,7 +357,7 @@ def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
 
 
 @lru_cache(maxsize=64)
-def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool, part: MeshPart | None) -> Scene:
+def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool, part: MeshPart) -> Scene:
     devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
         devices.setdefault(int(place), []).append(number)
@@ -376,28 +374,21 @@ def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool, part: MeshPar
             for shape in (*SHAPES, MESH)
         },
         defaults={name: value for name, value in SCENE.defaults.items() if name != "devices"},
-        constraints=(*SCENE.constraints, order, *_of_part(part)),
+        constraints=(*constraints(part), order),
         part=part,
     )
 
 
-def _of_part(part: MeshPart | None) -> Iterable[Constraint]:
-    if part:
-        yield number_of_aspects("wanted_aspect", part)
-        yield from (_turns(place, MESH, len(part.aspects)) for place in POSITIONS)
-
-
 def _equations_with_devices(
-    shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool, part: MeshPart | None
+    shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool, part: MeshPart
 ) -> tuple[Equation, ...]:
-    known, own = numbers_of(shape), part if shape == MESH else None
-    aspects = len(own.aspects) if own else aspects_of(shape)
+    known, aspects = numbers_of(shape), aspects_of(shape, part)
     devices = [
         Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)
     ]
     line = DeviceLine(tuple(d for d in devices if d.numbers), aspects, ordered)
     lines = (
-        *equations(shape, own),
+        *equations(shape, part),
         line.equation("thrown_line", "thrown_shares", LINE),
         *([line.equation("counted_line", "counted_shares", TEST)] * (aspects <= NUMBERED)),
     )
@@ -435,6 +426,13 @@ def _aspects_named(shape: str) -> Constraint:
     )
 
 
+def constraints(part: MeshPart) -> tuple[Constraint, ...]:
+    """Return the relations of numbers of aspects to those that each shape, or a `part`, has."""
+    shapes = (*SHAPES, MESH)
+    turns = (_turns(n, one, aspects_of(one, part)) for n in POSITIONS for one in shapes)
+    return (*turns, *map(_aspects_named, SHAPES), number_of_aspects("wanted_aspect", part))
+
+
 SCENE = Scene(
     name="orienting-line",
     title="A line of devices that orient parts",
@@ -454,9 +452,6 @@ SCENE = Scene(
         for shape in (*SHAPES, MESH)
     },
     defaults={"delta": 0.0, "devices": 0.0, **{f"turn_{place}": 21.0 for place in POSITIONS}},
-    constraints=(
-        *(_turns(place, shape, aspects_of(shape)) for place in POSITIONS for shape in SHAPES),
-        *(_aspects_named(shape) for shape in SHAPES),
-    ),
+    constraints=constraints(UNREAD),
     fit=fit_to_study,
 )  # fmt: skip

@@ -1,6 +1,5 @@
 """A part that is let down or thrown: how it comes to rest; and when it topples, standing."""
 
-import math
 from collections.abc import Collection
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -12,6 +11,7 @@ from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.scenes.scene import (
     MESH,
     STANDARD_GRAVITY,
+    UNREAD,
     Condition,
     Constraint,
     Equation,
@@ -243,9 +243,9 @@ def _of_aspect(numbers: tuple[float, ...], *, aspect: Array) -> Array:
     return value
 
 
-def of_aspect(part: MeshPart | None, gives: str, field: str, says: str) -> Equation:
-    """Return the equation of a number of each aspect; without a part only its inputs are known."""
-    numbers = tuple(getattr(one, field) for one in part.aspects) if part else (math.nan,)
+def of_aspect(part: MeshPart, gives: str, field: str, says: str) -> Equation:
+    """Return the equation of a number of each aspect, a field of `PartAspect`."""
+    numbers = tuple(getattr(one, field) for one in part.aspects)
     function = partial(_of_aspect, numbers)
     return Equation(gives, function, FILE, needs=("aspect",), says=f"Return {says}.")
 
@@ -254,10 +254,10 @@ def _volume(volume: float) -> Array:
     return np.asarray(volume)
 
 
-def mesh_equations(part: MeshPart | None) -> tuple[Equation, ...]:
+def mesh_equations(part: MeshPart) -> tuple[Equation, ...]:
     """Return the equations of a part from a file at rest; each cell is one of its aspects."""
     across = "the slope across its longer side on which it topples [rad]"
-    volume = partial(_volume, part.volume if part else math.nan)
+    volume = partial(_volume, part.volume)
     return (
         *(of_aspect(part, gives, *row) for gives, row in LYING.items()),
         of_aspect(part, "least_base", "base_least", "the distance of the nearest edge [m]"),
@@ -286,7 +286,7 @@ def number_of_aspects(name: str, part: MeshPart) -> Constraint:
 
 def fit_to_part(scene: Scene, _: Collection[str]) -> Scene:
     """Return the scene with the aspects of a study's part from a file."""
-    return scene if scene.part is None else _fitted(scene.part)
+    return _fitted(scene.part)
 
 
 @lru_cache(maxsize=64)
@@ -309,7 +309,7 @@ SCENE = Scene(
     "of either. Ends of turned parts are those of the hull, and a part from a file (mesh) rests on "
     "its hull. A standing "
     "part is rigid, does not slide, and its foot does not bounce.",
-    variants={**{shape: equations(shape) for shape in SHAPES}, MESH: mesh_equations(None)},
+    variants={**{shape: equations(shape) for shape in SHAPES}, MESH: mesh_equations(UNREAD)},
     default_variant="box",
     conditions={**{shape: conditions(shape) for shape in SHAPES}, MESH: TOPPLE_CONDITIONS},
     defaults={"gamma": 0.0, "gravity": STANDARD_GRAVITY},

@@ -1,6 +1,7 @@
 """The record of a scene: equations by variant, defaults, and the conditions of its regimes."""
 
 import inspect
+import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -10,7 +11,7 @@ from typing import Any
 
 from vibrafeed.core.errors import SceneError
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
-from vibrafeed.core.quantities.orienting import PartAspect
+from vibrafeed.core.quantities.orienting import NUMBERED, PartAspect
 
 Function = Callable[..., Any]
 
@@ -216,6 +217,12 @@ class MeshPart:
     aspects: tuple[PartAspect, ...]
 
 
+_NOWHERE = (math.nan, math.nan, math.nan)
+UNREAD = MeshPart(
+    math.nan, (PartAspect(*(math.nan,) * 10, down=_NOWHERE, along=_NOWHERE),) * NUMBERED
+)
+"""The part of a study whose file is not known."""
+
 MESH = "mesh"
 """The variant of a scene for a part from a file."""
 
@@ -251,7 +258,7 @@ class Scene:
     fit : callable, optional
         Of a scene whose parts are listed in the study, such as the devices of a line: takes it and
         the names of the given parameters, and returns it with those parts.
-    part : MeshPart or None
+    part : MeshPart
         The part from a file, for the variant `MESH`.
     """
 
@@ -271,7 +278,7 @@ class Scene:
     seconds_a_cell: float = 1e-8
     rounding_bound: int | None = None
     fit: "Callable[[Scene, Collection[str]], Scene] | None" = None
-    part: MeshPart | None = None
+    part: MeshPart = UNREAD
 
     def fitted(self, names: Collection[str], part: MeshPart | None = None) -> "Scene":
         """Return the scene fitted to a study's parameters, and to its part from a file."""

@@ -42,7 +42,7 @@ class PartOfFile(BaseModel):
     Its `inertia` is that of a part of density 1, about the centre of mass.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, allow_inf_nan=False)
 
     name: str = Field(description="Name of the file.", max_length=300)
     sha256: str = Field(description="SHA-256 of the file's content.", pattern="^[0-9a-f]{64}$")

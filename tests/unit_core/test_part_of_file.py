@@ -13,6 +13,7 @@ import vibrafeed
 from surfaces import as_data, box
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
+from vibrafeed.core.intake.part import read_part
 from vibrafeed.core.kinds import run_study
 
 SHARES = ["let_down_share", "thrown_share"]
@@ -133,6 +134,25 @@ def test_a_service_reads_no_files():
                "part": {"file": "bracket.stl", "unit": "mm"}}  # fmt: skip
     with pytest.raises(StudyError, match="the service cannot read the file from your computer"):
         prepare_content(content)
+
+
+def test_numbers_from_the_network_are_checked():
+    part = read_part(box(30, 20, 10), files=False).model_dump(mode="json")
+    content = {"kind": "sweep", "scene": "resting-part", "variant": "mesh", "outputs": SHARES,
+               "parameters": {"aspect": 1}}  # fmt: skip
+    assert parse_study({**content, "part": part}).part.name == "data"
+    for place, value in {
+        ("aspects", 0, "height"): np.nan, ("volume",): np.inf, ("aspects",): [],
+        ("triangles", 0, 2): 5000, ("sha256",): "x",
+    }.items():  # fmt: skip
+        bad = json.loads(json.dumps(part))
+        *way, last = place
+        section = bad
+        for step in way:
+            section = section[step]
+        section[last] = value
+        with pytest.raises(StudyError, match=f"^part.{place[0]}"):
+            parse_study({**content, "part": bad})
 
 
 # --- bad files
