@@ -161,7 +161,7 @@ def test_every_output_evaluates_to_a_finite_value_and_a_known_regime(name, varia
     if variant == "mesh":  # of three aspects
         study["part"] = read_part(box(30, 20, 10), files=False).model_dump(mode="json")
         for k in range(4, 10):
-            parameters.pop(f"drop_count_{k}", None)
+            study["parameters"].pop(f"drop_count_{k}", None)
     dataset = run_study(parse_study(study))
     # What is infinite is so for a reason: this drive does not stop the part, nor lets it hover.
     unbounded = {"stopping_distance", "stopping_time", "pressure_offset_x", "pressure_offset_y"}
