@@ -4,6 +4,7 @@ import base64
 import binascii
 import hashlib
 import io
+import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -125,9 +126,13 @@ def _coarse_surface(solid: "Trimesh") -> "Trimesh":
 
 
 def _rounded(values: Any, digits: int = DIGITS) -> Any:
-    if np.ndim(values):
-        return tuple(_rounded(one, digits) for one in np.asarray(values).tolist())
-    return float(f"{values:.{digits}g}")
+    """Numbers as floats and tuples of them, rounded to digits of the largest: noise is 0."""
+    largest = float(np.abs(values).max())
+    decimals = digits - math.ceil(math.log10(largest)) if largest > 0 else 0
+    rounded = (np.round(values, decimals) + 0.0).tolist()
+    if np.ndim(values) == 2:
+        return tuple(map(tuple, rounded))
+    return tuple(rounded) if np.ndim(values) else rounded
 
 
 def _kept(aspect: PartAspect) -> PartAspect:
