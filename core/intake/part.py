@@ -46,7 +46,8 @@ PLAIN = ("part_volume", "part_mass", "regime")
 """Outputs that all aspects of a part share."""
 
 
-def _with_part(content: Content, files: bool) -> Resolved:
+def with_part(content: Content, files: bool) -> Resolved:
+    """Return the content of a study with the numbers of its part in place of the file."""
     section = content["part"]
     if not isinstance(section, Mapping) or "sha256" in section:
         return Resolved(content)
@@ -233,7 +234,7 @@ def _absent(stranger: Stranger) -> Problem:
 
 PART: Final = Section(
     beside=file_beside,
-    resolve=_with_part,
+    resolve=with_part,
     unknown=lambda stranger: no_field(stranger, PartFile),
     absent=_absent,
 )
