@@ -127,11 +127,11 @@ class Hull:
 
     def joined_ends(self) -> Indices:
         """Return a number for each face that faces share on whose rounded side the solid rests."""
-        rims, heights = self.rims, self.heights[self.rims.own]
-        rise = rims.beyond**2 / (np.hypot(heights, rims.beyond) + heights)
+        rims, ends = self.rims, self.ends
+        rise = np.hypot(self.heights[rims.own], rims.beyond) - self.heights[ends[rims.own]]
         turned = np.einsum("ij,ij->i", self.normals[rims.own], self.normals[rims.other])
-        low = (self.ends[rims.own] == rims.own) & (rise < RISE * self.size) & (turned > ROUNDED)
-        return _linked(rims.own[low], self.ends[rims.other[low]], len(self.heights))
+        low = (rise < RISE * self.size) & (turned > ROUNDED)
+        return _linked(ends[rims.own[low]], ends[rims.other[low]], len(self.heights))
 
     def is_same_turned(self, down: Floats, other: Floats) -> bool:
         """True if a rotation that turns the direction `down` to `other` maps the hull to itself.

@@ -129,6 +129,18 @@ def test_a_binary_file_as_text():
     assert inches.lying_height.values[0] == pytest.approx(0.254)
 
 
+@pytest.mark.parametrize(("sides", "aspects"), [(24, 2), (96, 2), (360, 2)])
+def test_a_cylinder_of_32_bit_numbers_in_any_position(sides, aspects):
+    mesh = trimesh.creation.cylinder(5, 14, sections=sides)
+    mesh.apply_transform(trimesh.transformations.random_rotation_matrix([0.3, 0.5, 0.8]))
+    mesh.apply_translation([100, -50, 30])
+    raw = base64.b64encode(mesh.export(file_type="stl")).decode()
+    found = resting({"data": raw, "unit": "mm"})
+    assert found.sizes["aspect"] == aspects
+    side = 14 / np.hypot(14, 10)
+    assert found.let_down_share.values[0] == pytest.approx(side, abs=2 / sides**2)
+
+
 def test_a_service_reads_no_files():
     content = {"kind": "sweep", "scene": "resting-part", "outputs": SHARES,
                "part": {"file": "bracket.stl", "unit": "mm"}}  # fmt: skip
