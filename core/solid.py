@@ -128,7 +128,9 @@ class Hull:
     def joined_ends(self) -> Indices:
         """Return a number for each face that faces share on whose rounded side the solid rests."""
         rims, ends = self.rims, self.ends
-        rise = np.hypot(self.heights[rims.own], rims.beyond) - self.heights[ends[rims.own]]
+        # From either side: the saddle between two aspects is near neither.
+        lower = np.minimum(self.heights[ends[rims.own]], self.heights[ends[rims.other]])
+        rise = np.hypot(self.heights[rims.own], rims.beyond) - lower
         turned = np.einsum("ij,ij->i", self.normals[rims.own], self.normals[rims.other])
         low = (rise < RISE * self.size) & (turned > ROUNDED)
         return _linked(ends[rims.own[low]], ends[rims.other[low]], len(self.heights))

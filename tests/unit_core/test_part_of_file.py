@@ -132,7 +132,7 @@ def test_a_binary_file_as_text():
 @pytest.mark.parametrize(("sides", "aspects"), [(24, 2), (96, 2), (360, 2)])
 def test_a_cylinder_of_32_bit_numbers_in_any_position(sides, aspects):
     mesh = trimesh.creation.cylinder(5, 14, sections=sides)
-    mesh.apply_transform(trimesh.transformations.random_rotation_matrix([0.3, 0.5, 0.8]))
+    mesh.apply_transform(trimesh.transformations.random_rotation_matrix(np.array([0.3, 0.5, 0.8])))
     mesh.apply_translation([100, -50, 30])
     raw = base64.b64encode(mesh.export(file_type="stl")).decode()
     found = resting({"data": raw, "unit": "mm"})
