@@ -13,7 +13,7 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).parents[1]
-FILES = ("configs/**/*.toml", "examples/*.py", "examples/*.csv")
+FILES = ("configs/**/*.toml", "configs/*.stl", "examples/*.py", "examples/*.csv")
 LINK = re.compile(r"\]\(\.\./((?:configs|examples)/[^)]+)\)")
 
 

@@ -66,7 +66,8 @@ def study(
 
 def sweep(
     scene: SceneName | StudyLike | None = None, /, *, outputs: Outputs | None = None,
-    variant: str | None = None, reduce: Mapping[str, Any] | None = None,
+    variant: str | None = None, part: Mapping[str, Any] | None = None,
+    reduce: Mapping[str, Any] | None = None,
     sensitivities: bool | Sequence[str] | None = None, verify: int | None = None,
     **parameters: Unpack[Keywords],
 ) -> xarray.Dataset:  # fmt: skip
@@ -85,6 +86,7 @@ def sweep(
     Results
         outputs : names of outputs of the scene
         variant : thesis, derived or physical; the scene's own if left out
+        part : a part from a file (docs/which-way-up.md)
         reduce : statistics over some axes instead of all cells (docs/reduce.md)
         sensitivities : derivatives and elasticities, too: True, or parameters
     Numerics
@@ -163,8 +165,9 @@ def optimise(
     wall_contact: bool | None = None, uncertain: Maps | None = None,
     robust: Literal["worst", "mean", "quantile"] | None = None, quantile: float | None = None,
     outputs: Outputs | None = None, variant: str | None = None, method: str | None = None,
-    drive: Mapping[str, Any] | None = None, sensitivities: bool | Sequence[str] | None = None,
-    verify: int | None = None, **parameters: Unpack[Keywords],
+    drive: Mapping[str, Any] | None = None, part: Mapping[str, Any] | None = None,
+    sensitivities: bool | Sequence[str] | None = None, verify: int | None = None,
+    **parameters: Unpack[Keywords],
 ) -> xarray.Dataset:  # fmt: skip
     """Return the best values of some parameters, over a grid of the others.
 
@@ -186,6 +189,7 @@ def optimise(
         outputs : further outputs at the optimum
         variant, method : closed forms by variant, or motion in time by method
         drive : a recording of an accelerometer
+        part : a part from a file, in place of its shape
         sensitivities : derivatives of the optimum: True, or parameters
         verify : number of cells to search again by another method
 
@@ -213,7 +217,8 @@ def sensitivity(
     uncertain: Maps | None = None, analyses: Named | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None, quantiles: Sequence[float] | None = None,
     samples: int | None = None, seed: int | None = None, variant: str | None = None,
-    method: str | None = None, drive: Mapping[str, Any] | None = None, verify: int | None = None,
+    method: str | None = None, drive: Mapping[str, Any] | None = None,
+    part: Mapping[str, Any] | None = None, verify: int | None = None,
     **parameters: Unpack[Keywords],
 ) -> xarray.Dataset:  # fmt: skip
     """Return the variation of outputs with parameters that are not known exactly.
@@ -235,6 +240,7 @@ def sensitivity(
         samples, seed : number of samples, a power of two, and their random seed
         variant, method : closed forms by variant, or motion in time by method
         drive : a recording of an accelerometer
+        part : a part from a file, in place of its shape
         verify : number of points to evaluate again
 
     Returns
@@ -420,8 +426,8 @@ def plot(
         unit; the middle one if left out.
     kind : str, optional
         The name of a picture: posterior, distribution, indices, tornado, front,
-        positions, trajectory, animation, landscape, bodies, line, map, contour or levels; the
-        first that fits if left out.
+        positions, trajectory, animation, landscape, bodies, aspects, line, map, contour or
+        levels; the first that fits if left out.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional

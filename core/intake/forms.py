@@ -17,7 +17,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from vibrafeed.core.errors import Problem, StudyError, refused
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
+from vibrafeed.core.intake.part import with_part
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, read_rows, with_posteriors
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.measured.csv_table import decoded
@@ -341,6 +342,14 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
     """
     if form in REQUESTS:
         content = with_posteriors(in_letters(content)[0], files=True).content
+    part = content.get("part")
+    if part is not None and form in REQUESTS:
+        resolved = with_part(dict(content), files=True)
+        raise_any(resolved.problems)
+        content = resolved.content
+    elif isinstance(part, Mapping) and isinstance(part.get("file"), str):
+        moved_file = _path_from(Path(part["file"]), form, folder)
+        content = {**content, "part": {**part, "file": moved_file}}
     if isinstance(content.get("observations"), str):
         runs = Path(content["observations"])
         moved = read_rows(runs) if form in REQUESTS else _path_from(runs, form, folder)

@@ -302,9 +302,10 @@ DIGITS = 10
 ASKED_FROM = 5.0  # degrees between the climb of a recording and that of its study
 
 
-def _beside(drive: Any, folder: Path) -> Any:
-    is_named = isinstance(drive, dict) and isinstance(drive.get("file"), str)
-    return {**drive, "file": str(folder / drive["file"])} if is_named else drive
+def file_beside(section: Any, folder: Path) -> Any:
+    """Return a section with its `file`, if it names one, in a folder."""
+    is_named = isinstance(section, dict) and isinstance(section.get("file"), str)
+    return {**section, "file": str(folder / section["file"])} if is_named else section
 
 
 def _with_drive(content: Content, files: bool) -> Resolved:
@@ -392,7 +393,8 @@ def _measured_drive(
         raise StudyError(
             problems_of(error, {"drive": DRIVE}, DRIVE.unknown, within="drive")
         ) from None
-    source = _source(fields, files)
+    csv = "the text of the recording's CSV"
+    source = source_of("drive", fields.file, fields.data, "recording", csv, files=files)
     path = "drive.file" if isinstance(source, Path) else "drive.data"
     asked = fields.model_dump(exclude_none=True, exclude={"file", "data"})
     try:
@@ -407,11 +409,7 @@ def _measured_drive(
     except StudyError as error:
         raise StudyError(_placed(problem, path) for problem in error.problems) from None
     except (OSError, ValueError) as error:  # a NUL in its name is the second
-        raise refused(
-            path,
-            f"it cannot be read: {getattr(error, 'strerror', None) or error}",
-            advice_on_path(source, "Name a CSV file by its path from the folder of the study"),
-        ) from None
+        raise unreadable(path, error, source, "a CSV file") from None
     left_over: dict[Any, float] = dict(zip(fit.axes, map(_rounded, fit.left_over), strict=True))
     return MeasuredDrive(
         name=source.name if isinstance(source, Path) else "data",
@@ -422,22 +420,38 @@ def _measured_drive(
     ), fit
 
 
+def unreadable(path: str, error: Exception, source: str | Path, kind: str) -> StudyError:
+    """Return the error of a file, of a kind such as "a CSV file", that the system cannot read."""
+    return refused(
+        path,
+        f"it cannot be read: {getattr(error, 'strerror', None) or error}",
+        advice_on_path(source, f"Name {kind} by its path from the folder of the study"),
+    )
+
+
 def _rounded(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
-def _source(drive: RecordedDrive, files: bool) -> str | Path:
-    text = "data = the text of the recording's CSV"
-    fix = f"Give file = the name of the recording, or {text}" if files else f"Give {text}"
-    if drive.file is not None and drive.data is not None:
-        raise refused("drive", "the drive gives both file and data", fix)
-    if drive.data is not None:
-        return drive.data
-    if drive.file is None:
-        raise refused("drive", "the drive names no recording", fix)
+def source_of(
+    key: str, file: Path | None, data: str | None, what: str, text: str, *, files: bool
+) -> str | Path:
+    """Return the text or the file that a section names.
+
+    `key` is that of the section, `what` the file (such as a recording), `text` what `data` holds.
+    `files` is True if files of this machine may be read. Raises `StudyError` for neither, or both.
+    """
+    fix = f"Give data = {text}"
+    fix = f"Give file = the name of the {what}, or data = {text}" if files else fix
+    if file is not None and data is not None:
+        raise refused(key, f"the {key} gives both file and data", fix)
+    if data is not None:
+        return data
+    if file is None:
+        raise refused(key, f"the {key} names no {what}", fix)
     if not files:
-        raise refused("drive.file", "the service cannot read the recording from your computer", fix)
-    return drive.file
+        raise refused(f"{key}.file", f"the service cannot read the {what} from your computer", fix)
+    return file
 
 
 def _table(source: str | Path, path: str, files: bool) -> "measured.RecordingTable":
@@ -460,7 +474,7 @@ def _placed(problem: Problem, path: str) -> Problem:
 
 
 DRIVE: Final = Section(
-    beside=_beside,
+    beside=file_beside,
     resolve=_with_drive,
     unknown=lambda stranger: no_field(stranger, RecordedDrive),
     absent=lambda _: only_the_plain_sine('Write kind = "simulate", or give these'),

@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from vibrafeed.core.errors import Problem, StudyError, refused
+from vibrafeed.core.intake.part import PART
 from vibrafeed.core.intake.section import (
     DRIVE,
     Content,
@@ -329,6 +330,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
         resolve=_with_rows,
     ),
     "drive": DRIVE,
+    "part": PART,
     "criterion": Section(outputs=_looked_for, tags=CRITERIA),
     "outputs": Section(outputs=lambda names: names if isinstance(names, list | tuple) else ()),
     "reduce": Section(

@@ -290,6 +290,11 @@ def cone_gyration(
     return hypot(diameter * np.sqrt(turning), height * np.sqrt(along - z * z))
 
 
+def part_mass(*, part_volume: Array, part_density: Array) -> Array:
+    """Return the mass of a part, density times volume [kg]."""
+    return part_volume * part_density
+
+
 # --- when it topples
 
 

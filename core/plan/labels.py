@@ -23,6 +23,7 @@ from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.grid_study import DrivenStudy, MeasuredDrive
+from vibrafeed.core.study.part_study import PartOfFile
 from vibrafeed.core.study.values import Fixed, Values
 
 LEFT_OUT = "verified_left_out"
@@ -137,6 +138,9 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
     }
     if isinstance(study, DrivenStudy) and study.drive is not None:
         attributes["drive"] = _origin(study.drive, study.values())
+    part: PartOfFile | None = getattr(study, "part", None)
+    if part is not None:
+        attributes["part"] = f"{part.name} (SHA-256 {part.sha256})"
     if prepared.questions:
         attributes["warnings"] = "\n".join(prepared.questions)
     if study.notes:

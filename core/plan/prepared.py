@@ -22,7 +22,9 @@ from vibrafeed.core.plan.grid import Grid, from_si, positions_of, spread
 from vibrafeed.core.plan.plan import Plan, plan_scene, run_equations
 from vibrafeed.core.quantities import FLAGS, MOTION_STATUSES, QUANTITIES
 from vibrafeed.core.scenes import CONSTRAINTS, Scene
+from vibrafeed.core.scenes.scene import MESH, MeshPart
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
+from vibrafeed.core.study.part_study import PartOfFile
 from vibrafeed.core.study.sweep_and_simulate import FEWEST_PERIODS
 from vibrafeed.core.study.values import Values
 from vibrafeed.core.suggestions import SEARCHED, intended
@@ -259,7 +261,9 @@ def plan_study(
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
     scene, variant, problems = chosen
-    scene = scene.fitted(values)
+    part: PartOfFile | None = getattr(study, "part", None)
+    problems += _problems_of_part(scene, variant, part)
+    scene = scene.fitted(values, MeshPart(part.volume, part.aspects) if part else None)
     problems += broken_constraints(scene, variant, grid)
     try:
         plan = plan_scene(scene, variant, tuple(outputs), values)
@@ -267,6 +271,22 @@ def plan_study(
         raise StudyError([*error.problems, *problems]) from None
     raise_any(problems)
     return plan, grid
+
+
+def _problems_of_part(scene: Scene, variant: str, part: PartOfFile | None) -> Iterable[Problem]:
+    if part is None and variant == MESH:
+        yield Problem(
+            "part",
+            f"it is missing; variant {MESH} is a part from a file",
+            'Write [part] with file = "bracket.stl" and unit = "mm"',
+        )
+    if part is not None and variant != MESH:
+        fix = f'Set variant = "{MESH}", or remove [part]'
+        yield Problem(
+            "part",
+            f"{scene.name} ({variant}) takes no part from a file",
+            fix if MESH in scene.variants else "Remove it",
+        )
 
 
 def names_intended(parameters: Iterable[object]) -> list[str]:

@@ -129,6 +129,8 @@ PICTURES = {
         ),
         Picture("bodies", "an impact: what hits what", "bodies", ("at",),
                 lambda dataset: is_pair(dataset) and _is_single(dataset)),
+        Picture("aspects", "how a part from a file lies", "aspects", (),
+                lambda dataset: "part" in dataset.attrs),
         Picture("line", "an output over one parameter, or a family of lines", "line"),
         Picture("map", "regimes, or an output whose numbers stand for words", "maps"),
         Picture("contour", "an output over two parameters, in colours", "maps"),

@@ -1,5 +1,7 @@
 """Resting parts, and the devices of a line that orient them."""
 
+from dataclasses import dataclass
+
 from vibrafeed.core.quantities.quantity import Quantity, length, number
 
 ASPECTS = {
@@ -10,6 +12,46 @@ ASPECTS = {
     "inverted": ("inverted", "on the end of `small_diameter`"),
 }
 """How parts lie; those of one shape are numbered in the order in which its scene lists them."""
+
+MAX_ASPECTS = 20
+"""Aspects of a part from a file."""
+NUMBERED = 9
+"""Aspects that `turn` and the counts of a drop test can name."""
+
+
+@dataclass(frozen=True)
+class PartAspect:
+    """A way in which a part from a file lies.
+
+    Attributes
+    ----------
+    let_down_share, thrown_share : float
+        The shares of parts that come to rest in it [1]: the ends of the bracket.
+    height, length, width : float
+        Of the part: its height, and the sides of the least rectangle about it from above [m].
+    centre_height : float
+        Height of the centre of mass [m].
+    base_along, base_across, base_least : float
+        Distance from the foot of the centre of mass to the end of the base: the shorter one along
+        the length, across it, and the one to the nearest edge [m].
+    gyration : float
+        Radius of gyration about the horizontal line across the length [m].
+    down, along : tuple of float
+        The directions down and along the length, in the axes of the file.
+    """
+
+    let_down_share: float
+    thrown_share: float
+    height: float
+    length: float
+    width: float
+    centre_height: float
+    base_along: float
+    base_across: float
+    base_least: float
+    gyration: float
+    down: tuple[float, float, float]
+    along: tuple[float, float, float]
 
 
 def _resting_shares() -> dict[str, Quantity]:
@@ -77,6 +119,50 @@ RESTING: dict[str, Quantity] = {
         "Height of the centre in each aspect below the highest that it can have.", bundle=True,
     ),
     **_resting_shares(),
+    "aspect": Quantity(
+        "1", "o", "Aspect", "Number of an aspect of a part from a file, the one of the lowest "
+        "centre of mass being 1.", 1.0, float(MAX_ASPECTS), parameter=True, examples=("1",),
+    ),
+    "part_density": Quantity(
+        "kg m-3", "rho", "Density of the part", "Density of a part from a file.", 0.0, strict=True,
+        parameter=True, examples=("7850 kg/m^3",), usual=(10.0, 23000.0),
+    ),
+    "part_volume": Quantity("m3", "V", "Volume of the part", "Volume of a part from a file."),
+    "part_mass": Quantity("kg", "m", "Mass of the part", "Mass of a part from a file."),
+    "let_down_share": number(
+        "s", "Share that rests, let down",
+        "Share of parts that come to rest in the aspect, let down with negligible momentum. The "
+        "truth lies between this and thrown_share: their distance is the error.",
+    ),
+    "thrown_share": number(
+        "t", "Share that rests, thrown",
+        "Share of parts that come to rest in the aspect, thrown. The truth lies between this and "
+        "let_down_share: their distance is the error.",
+    ),
+    "lying_height": Quantity("m", "h", "Height as it lies", "Height of the part in the aspect."),
+    "lying_length": Quantity(
+        "m", "l", "Length as it lies",
+        "Longer side of the least rectangle about the part in the aspect, from above.",
+    ),
+    "lying_width": Quantity(
+        "m", "w", "Width as it lies",
+        "Width of the lane that the part needs in the aspect, its longer side along the lane.",
+    ),
+    "least_base": Quantity(
+        "m", "b_0", "Least half base", "Distance from the foot of the centre to the nearest edge."
+    ),
+    "standing_base_across": Quantity(
+        "m", "b_y", "Half base across",
+        "Half of the base across the length: the shorter distance from the foot of the centre.",
+    ),
+    "topple_slope_across": Quantity(
+        "degree", "alpha_y", "Toppling slope across",
+        "Slope across the length of the part on which it topples, unless it slides before.",
+    ),
+    "least_topple_slope": Quantity(
+        "degree", "alpha_0", "Least toppling slope",
+        "Least slope, in any direction, on which the part topples, unless it slides before.",
+    ),
     "side_foot": number(
         "s/L_g", "Foot of the centre on the side",
         "Place of the centre's foot along the side, from the end of diameter; outside of 0 to 1 "
@@ -135,7 +221,12 @@ RESTING: dict[str, Quantity] = {
 MAX_DEVICES = 6
 """Places of a line."""
 
-PAIRS = {10 * i + j: f"{i} to {j}" for i in range(1, 4) for j in range(1, 4) if i != j}
+PAIRS = {
+    10 * i + j: f"{i} to {j}"
+    for i in range(1, NUMBERED + 1)
+    for j in range(1, NUMBERED + 1)
+    if i != j
+}
 """What `turn` may be: from one aspect to another."""
 
 
@@ -160,8 +251,8 @@ def _device(position: int) -> dict[str, Quantity]:
         ),
         "passed_aspect": Quantity(
             "1", f"p{position}", f"Passing aspect{at}",
-            "Number of the only aspect that passes the device.", 1.0, 3.0,
-            parameter=True, examples=("1",),
+            "Number of the only aspect that passes the device.", 1.0,
+            float(MAX_ASPECTS), parameter=True, examples=("1",),
         ),
         "rail_width": size(
             "r", "Width of the rails", "Distance of two rails: parts with a head hang in it by "
@@ -180,7 +271,7 @@ def _device(position: int) -> dict[str, Quantity]:
         ),
         "turn": Quantity(
             "1", f"o{position}", f"Turn{at}",
-            "Aspects before and after turning: 21 turns aspect 2 into aspect 1.", 12.0, 32.0,
+            "Aspects before and after turning: 21 turns aspect 2 into aspect 1.", 12.0, 98.0,
             parameter=True, examples=("21",), words=PAIRS, other_words="{}",
         ),
     }  # fmt: skip
@@ -241,8 +332,8 @@ ORIENTING: dict[str, Quantity] = {
     "part_pitch": length("l_p", "Pitch of the parts",
     "Distance from part to part in a row.", "22 mm"),
     "wanted_aspect": Quantity(
-        "1", "o*", "Wanted aspect", "Number of the aspect in which parts are to leave.", 1.0, 3.0,
-        parameter=True, examples=("1",),
+        "1", "o*", "Wanted aspect", "Number of the aspect in which parts are to leave.", 1.0,
+        float(MAX_ASPECTS), parameter=True, examples=("1",),
     ),
     "shank_diameter": length(
         "d_s", "Diameter of the shank",
@@ -260,7 +351,7 @@ ORIENTING: dict[str, Quantity] = {
             f"Parts of a drop test that came to rest in aspect {k}.", 0.0, parameter=True,
             examples=("129",),
         )
-        for k in range(1, 4)
+        for k in range(1, NUMBERED + 1)
     },
     **{
         f"{name}_{place}": quantity

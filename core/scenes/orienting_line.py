@@ -16,13 +16,23 @@ import numpy as np
 from vibrafeed.core.mechanics import orienting
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.mechanics.orienting import Matrix, PassedShares
-from vibrafeed.core.quantities.orienting import DEVICES, MAX_DEVICES, PAIRS
-from vibrafeed.core.scenes.resting_part import ASPECTS, SHAPES, WORDS, shares_of
+from vibrafeed.core.quantities.orienting import DEVICES, MAX_DEVICES, NUMBERED, PAIRS
+from vibrafeed.core.scenes.resting_part import (
+    ASPECTS,
+    FILE,
+    SHAPES,
+    WORDS,
+    number_of_aspects,
+    shares_of,
+)
 from vibrafeed.core.scenes.scene import (
+    MESH,
+    UNREAD,
     Condition,
     Constraint,
     Equation,
     Function,
+    MeshPart,
     Scene,
     arguments_of,
     field_of,
@@ -229,7 +239,8 @@ OF_LINE = frozenset(one.gives for one in RESULTS if one.source == LINE)
 
 def numbers_of(shape: str) -> tuple[str, ...]:
     """Return the device numbers that a shape can have; rails need parts with a head."""
-    return tuple(n for n in DEVICES if n != "rail_width" or ASPECTS[shape][0] == "upright")
+    head = shape != MESH and ASPECTS[shape][0] == "upright"
+    return tuple(n for n in DEVICES if n != "rail_width" or head)
 
 
 def passed_shares_of(shape: str) -> tuple[Equation, ...]:
@@ -251,20 +262,62 @@ def passed_shares_of(shape: str) -> tuple[Equation, ...]:
     )  # fmt: skip
 
 
-def equations(shape: str) -> tuple[Equation, ...]:
+def equations(shape: str, part: MeshPart) -> tuple[Equation, ...]:
     """Return the equations of an orienting line for a shape of parts, without those of the devices.
 
-    `shape` is a key of `ASPECTS`.
+    `shape` is a key of `ASPECTS`, or `MESH` of a `part`.
     """
-    counts = tuple(f"drop_count_{k}" for k in range(1, len(ASPECTS[shape]) + 1))
+    own = _of_mesh(part) if shape == MESH else _of_shape(shape)
+    return (*own, *counted(aspects_of(shape, part)), *RESULTS)
+
+
+def aspects_of(shape: str, part: MeshPart) -> int:
+    """Return the number of a shape's aspects."""
+    return len(part.aspects if shape == MESH else ASPECTS[shape])
+
+
+def counted(aspects: int) -> tuple[Equation, ...]:
+    """Return the equations of a drop test, for up to `NUMBERED` aspects."""
+    if aspects > NUMBERED:
+        return ()
+    counts = tuple(f"drop_count_{k}" for k in range(1, aspects + 1))
+    return (
+        Equation("drop_count", orienting.posterior_count, TEST, needs=counts),
+        Equation("counted_shares", orienting.posterior_shares, TEST, needs=counts),
+    )
+
+
+def _of_shape(shape: str) -> tuple[Equation, ...]:
     return (
         *shares_of(shape),
         Equation("aspect_sizes", SIZES[shape], LINE),
-        Equation("drop_count", orienting.posterior_count, TEST, needs=counts),
-        Equation("counted_shares", orienting.posterior_shares, TEST, needs=counts),
         *passed_shares_of(shape),
-        *RESULTS,
     )
+
+
+def _constant(value: tuple[Any, ...]) -> tuple[Any, ...]:
+    return value
+
+
+def _of_mesh(part: MeshPart) -> tuple[Equation, ...]:
+    aspects = part.aspects
+    bundles: dict[str, tuple[tuple[Any, ...], str]] = {
+        "let_down_shares": (tuple(one.let_down_share for one in aspects), "share let down [1]"),
+        "thrown_shares": (tuple(one.thrown_share for one in aspects), "share thrown [1]"),
+        "centre_heights": (tuple(one.centre_height for one in aspects), "centre's height [m]"),
+        "aspect_sizes": (
+            tuple(
+                orienting.Aspect(*map(np.asarray, (one.height, one.width, one.length)))
+                for one in aspects
+            ),
+            "sizes [m]",
+        ),
+    }
+    return tuple(
+        Equation(gives, partial(_constant, values), FILE, needs=(),
+                 says=f"Return the {says} in each aspect of a part from a file.")
+        for gives, (values, says) in bundles.items()
+    )  # fmt: skip
 
 
 def any_line(shape: str) -> tuple[Equation, ...]:
@@ -281,7 +334,7 @@ def any_line(shape: str) -> tuple[Equation, ...]:
         ("counted_line", TEST, ("counted_shares", "devices")),
     )
     return (
-        *equations(shape),
+        *equations(shape, UNREAD),
         *(Equation(gives, _unfitted, source, needs=needs) for gives, source, needs in listed),
         Equation("line_ends", orienting.line_ends, LINE),
     )
@@ -300,11 +353,11 @@ def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
     names = {*parameters}
     numbers = tuple(sorted(name for name in names if _NUMBER.fullmatch(name)))
     tested = any(name.startswith("drop_count_") for name in names)
-    return _fitted(numbers, "device_order" in names, tested)
+    return _fitted(numbers, "device_order" in names, tested, scene.part)
 
 
 @lru_cache(maxsize=64)
-def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
+def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool, part: MeshPart) -> Scene:
     devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
         devices.setdefault(int(place), []).append(number)
@@ -317,27 +370,29 @@ def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool) -> Scene:
     return replace(
         SCENE,
         variants={
-            shape: _equations_with_devices(shape, devices, ordered, tested) for shape in SHAPES
+            shape: _equations_with_devices(shape, devices, ordered, tested, part)
+            for shape in (*SHAPES, MESH)
         },
         defaults={name: value for name, value in SCENE.defaults.items() if name != "devices"},
-        constraints=(*SCENE.constraints, order),
+        constraints=(*constraints(part), order),
+        part=part,
     )
 
 
 def _equations_with_devices(
-    shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool
+    shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool, part: MeshPart
 ) -> tuple[Equation, ...]:
-    known, aspects = numbers_of(shape), len(ASPECTS[shape])
+    known, aspects = numbers_of(shape), aspects_of(shape, part)
     devices = [
         Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)
     ]
     line = DeviceLine(tuple(d for d in devices if d.numbers), aspects, ordered)
     lines = (
-        *equations(shape),
+        *equations(shape, part),
         line.equation("thrown_line", "thrown_shares", LINE),
-        line.equation("counted_line", "counted_shares", TEST),
+        *([line.equation("counted_line", "counted_shares", TEST)] * (aspects <= NUMBERED)),
     )
-    if tested:
+    if tested and aspects <= NUMBERED:
         says = "the shares that pass by a drop test [1]"
         ends = Equation("line_ends", orienting.tested_line_ends, TEST)
         return (*lines, field_of("counted_line", (), "line", says, TEST), ends)
@@ -346,6 +401,36 @@ def _equations_with_devices(
         line.equation("line", "let_down_shares", LINE),
         Equation("line_ends", orienting.line_ends, LINE),
     )
+
+
+def _turns(position: int, shape: str, aspects: int) -> Constraint:
+    pairs = [str(pair) for pair in PAIRS if max(divmod(pair, 10)) <= aspects]
+    return Constraint(
+        (f"turn_{position}",),
+        lambda *ends: {*ends} <= {*map(float, pairs)},
+        "it names no two aspects",
+        f"Give {', '.join(pairs[:6])}{' and so on' if pairs[6:] else ''}",
+        shape,
+    )
+
+
+def _aspects_named(shape: str) -> Constraint:
+    names = [f"{place}, {WORDS[name]}" for place, name in enumerate(ASPECTS[shape], 1)]
+    *before, last = (name.replace("`", "") for name in names)
+    return Constraint(
+        ("wanted_aspect",),
+        lambda _, largest: largest <= len(names),
+        f"a {shape} has the aspects {', '.join(before)}, and {last}",
+        f"Give 1 to {len(names)}" if len(names) > 2 else "Give 1 or 2",
+        shape,
+    )
+
+
+def constraints(part: MeshPart) -> tuple[Constraint, ...]:
+    """Return the relations of numbers of aspects to those that each shape, or a `part`, has."""
+    shapes = (*SHAPES, MESH)
+    turns = (_turns(n, one, aspects_of(one, part)) for n in POSITIONS for one in shapes)
+    return (*turns, *map(_aspects_named, SHAPES), number_of_aspects("wanted_aspect", part))
 
 
 SCENE = Scene(
@@ -357,31 +442,16 @@ SCENE = Scene(
     "and of thrown parts, between which the truth lies. Each device sees only how parts lie. What "
     "falls back into the bowl comes again in any orientation: it does not remember how it lay. A "
     "vibrating track may lay parts down by itself.",
-    variants={shape: any_line(shape) for shape in SHAPES},
+    variants={shape: any_line(shape) for shape in (*SHAPES, MESH)},
     default_variant="box",
     conditions={
         shape: (
             Condition("no_pass", lambda *, line: line.total <= 0, OF_LINE, "passes",
                       says="True where no part passes."),
         )
-        for shape in SHAPES
+        for shape in (*SHAPES, MESH)
     },
     defaults={"delta": 0.0, "devices": 0.0, **{f"turn_{place}": 21.0 for place in POSITIONS}},
-    constraints=(
-        *(
-            Constraint(
-                (f"turn_{place}",), lambda *ends: {*ends} <= {*PAIRS}, "it names no two aspects",
-                "Give 21, 32, 31, 12, 23, 13",
-            )
-            for place in POSITIONS
-        ),
-        *(
-            Constraint(
-                ("wanted_aspect",), lambda _, largest: largest <= 2,
-                f"a {shape} has the aspects 1, on its side, and 2, on an end", "Give 1 or 2", shape,
-            )
-            for shape in ("cylinder", "prism")
-        ),
-    ),
+    constraints=constraints(UNREAD),
     fit=fit_to_study,
 )  # fmt: skip

@@ -1,10 +1,21 @@
 """A part that is let down or thrown: how it comes to rest; and when it topples, standing."""
 
+from collections.abc import Collection
+from dataclasses import replace
+from functools import lru_cache, partial
+
+import numpy as np
+
 from vibrafeed.core.mechanics import resting
+from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.scenes.scene import (
+    MESH,
     STANDARD_GRAVITY,
+    UNREAD,
     Condition,
+    Constraint,
     Equation,
+    MeshPart,
     Scene,
     field_of,
     under_names,
@@ -160,6 +171,21 @@ POSES: dict[str, tuple[Equation, ...]] = {
 """How each shape stands: a box on its face of length by width, the others on an end."""
 
 
+TOPPLING = (
+    Equation("edge_distance", resting.edge_distance, SECTION),
+    Equation("topple_slope", resting.topple_slope, SECTION),
+    Equation("rocking_friction", resting.rocking_friction, SECTION),
+    Equation("rocking_rate", resting.rocking_rate, SECTION),
+    Equation("topple_speed", resting.topple_speed, SECTION),
+    Equation("pulse_angle", resting.pulse_angle, SECTION),
+    Equation("topple_acceleration", resting.topple_acceleration, SECTION),
+    Equation("topple_margin", resting.topple_margin, SECTION),
+    Equation("push_over_load", resting.push_over_load, SECTION),
+    Equation("rocking_margin", resting.rocking_margin, SECTION),
+)
+"""What topples a standing part."""
+
+
 def equations(shape: str) -> tuple[Equation, ...]:
     """Return the equations of a scene in which a part of a shape comes to rest, and stands.
 
@@ -169,32 +195,107 @@ def equations(shape: str) -> tuple[Equation, ...]:
     return (
         *shares_of(shape),
         *POSES[shape],
-        Equation("edge_distance", resting.edge_distance, SECTION),
-        Equation("topple_slope", resting.topple_slope, SECTION),
-        Equation("rocking_friction", resting.rocking_friction, SECTION),
-        Equation("rocking_rate", resting.rocking_rate, SECTION),
-        Equation("topple_speed", resting.topple_speed, SECTION),
-        Equation("pulse_angle", resting.pulse_angle, SECTION),
-        Equation("topple_acceleration", resting.topple_acceleration, SECTION),
-        Equation("topple_margin", resting.topple_margin, SECTION),
-        Equation("push_over_load", resting.push_over_load, SECTION),
-        Equation("rocking_margin", resting.rocking_margin, SECTION),
+        *TOPPLING,
     )
+
+
+TOPPLE_CONDITIONS = (
+    Condition(
+        "stands",
+        lambda *, rocking_margin: rocking_margin <= 0,
+        frozenset(("rocking_margin",)),
+        "may_topple",
+        says="True where a part does not even begin to rock.",
+    ),
+    Condition("may_topple", resting.may_topple, frozenset(("topple_margin",)), "stands"),
+)
+"""Whether shaking may topple a standing part."""
 
 
 def conditions(shape: str) -> tuple[Condition, ...]:
     """Return the conditions of a shape at rest."""
     shares = frozenset(f"{kind}_{name}" for kind in SHARES for name in ASPECTS[shape])
+    return (*lying(shape, shares), *TOPPLE_CONDITIONS)
+
+
+# --- A part from a file: each cell is one of its aspects, by its number.
+
+
+LYING = {
+    "let_down_share": ("let_down_share", "the share of let-down parts that rest in the aspect [1]"),
+    "thrown_share": ("thrown_share", "the share of thrown parts that rest in the aspect [1]"),
+    "lying_height": ("height", "the height of the part in the aspect [m]"),
+    "lying_length": ("length", "the longer side of the least rectangle about it, from above [m]"),
+    "lying_width": ("width", "the shorter side of the least rectangle about it, from above [m]"),
+    "standing_base": ("base_along", "half of its base along the longer side [m]"),
+    "standing_base_across": ("base_across", "half of its base across the longer side [m]"),
+    "standing_centre": ("centre_height", "the height of the centre of mass [m]"),
+    "gyration": ("gyration", "the radius of gyration about a line across the longer side [m]"),
+}
+"""Outputs of an aspect, where they stand in it, and what they are."""
+FILE = "theory 16.5"
+
+
+def _of_aspect(numbers: tuple[float, ...], *, aspect: Array) -> Array:
+    value: Array = 0 * aspect + numbers[0]
+    for place, number in enumerate(numbers[1:], 2):
+        value = np.where(aspect >= place, number, value)
+    return value
+
+
+def of_aspect(part: MeshPart, gives: str, field: str, says: str) -> Equation:
+    """Return the equation of a number of each aspect, a field of `PartAspect`."""
+    numbers = tuple(getattr(one, field) for one in part.aspects)
+    function = partial(_of_aspect, numbers)
+    return Equation(gives, function, FILE, needs=("aspect",), says=f"Return {says}.")
+
+
+def _volume(volume: float) -> Array:
+    return np.asarray(volume)
+
+
+def mesh_equations(part: MeshPart) -> tuple[Equation, ...]:
+    """Return the equations of a part from a file at rest; each cell is one of its aspects."""
+    across = "the slope across its longer side on which it topples [rad]"
+    volume = partial(_volume, part.volume)
     return (
-        *lying(shape, shares),
-        Condition(
-            "stands",
-            lambda *, rocking_margin: rocking_margin <= 0,
-            frozenset(("rocking_margin",)),
-            "may_topple",
-            says="True where a part does not even begin to rock.",
-        ),
-        Condition("may_topple", resting.may_topple, frozenset(("topple_margin",)), "stands"),
+        *(of_aspect(part, gives, *row) for gives, row in LYING.items()),
+        of_aspect(part, "least_base", "base_least", "the distance of the nearest edge [m]"),
+        *TOPPLING,
+        under_names("topple_slope_across", resting.topple_slope, FILE, across,
+                    standing_base="standing_base_across"),
+        under_names("least_topple_slope", resting.topple_slope, FILE,
+                    "the least slope on which it topples, over the nearest edge [rad]",
+                    standing_base="least_base"),
+        Equation("part_volume", volume, FILE, needs=(), says="Return the volume of the part [m3]."),
+        Equation("part_mass", resting.part_mass, FILE),
+    )  # fmt: skip
+
+
+def number_of_aspects(name: str, part: MeshPart) -> Constraint:
+    """Return the constraint that a parameter is the number of one of a part's aspects."""
+    count = len(part.aspects)
+    return Constraint(
+        (name,),
+        lambda _, largest: largest <= count,
+        f"the part has {count} aspects",
+        f"Give 1 to {count}",
+        MESH,
+    )
+
+
+def fit_to_part(scene: Scene, _: Collection[str]) -> Scene:
+    """Return the scene with the aspects of a study's part from a file."""
+    return _fitted(scene.part)
+
+
+@lru_cache(maxsize=64)
+def _fitted(part: MeshPart) -> Scene:
+    return replace(
+        SCENE,
+        variants={**SCENE.variants, MESH: mesh_equations(part)},
+        constraints=(number_of_aspects("aspect", part),),
+        part=part,
     )
 
 
@@ -205,11 +306,13 @@ SCENE = Scene(
     validity="Convex parts on a hard level floor, in any orientation, each as likely. Shares are a "
     "bracket: parts that are let down with negligible momentum, and parts that are thrown; drop "
     "height and rebound decide where between both a part is, so that their distance is the error "
-    "of either. Ends of turned parts are those of the hull. A standing "
+    "of either. Ends of turned parts are those of the hull, and a part from a file (mesh) rests on "
+    "its hull. A standing "
     "part is rigid, does not slide, and its foot does not bounce.",
-    variants={shape: equations(shape) for shape in SHAPES},
+    variants={**{shape: equations(shape) for shape in SHAPES}, MESH: mesh_equations(UNREAD)},
     default_variant="box",
-    conditions={shape: conditions(shape) for shape in SHAPES},
+    conditions={**{shape: conditions(shape) for shape in SHAPES}, MESH: TOPPLE_CONDITIONS},
     defaults={"gamma": 0.0, "gravity": STANDARD_GRAVITY},
     constraints=(),
+    fit=fit_to_part,
 )

@@ -1,15 +1,17 @@
 """The record of a scene: equations by variant, defaults, and the conditions of its regimes."""
 
 import inspect
+import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
 
 from vibrafeed.core.errors import SceneError
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.quantities.orienting import NUMBERED, PartAspect
 
 Function = Callable[..., Any]
 
@@ -208,6 +210,24 @@ STATIC_ABOVE_KINETIC = Constraint(
 
 
 @dataclass(frozen=True)
+class MeshPart:
+    """A part from a file: its volume [m3], and its aspects, the lowest centre of mass first."""
+
+    volume: float
+    aspects: tuple[PartAspect, ...]
+
+
+_NOWHERE = (math.nan, math.nan, math.nan)
+UNREAD = MeshPart(
+    math.nan, (PartAspect(*(math.nan,) * 10, down=_NOWHERE, along=_NOWHERE),) * NUMBERED
+)
+"""The part of a study whose file is not known."""
+
+MESH = "mesh"
+"""The variant of a scene for a part from a file."""
+
+
+@dataclass(frozen=True)
 class Scene:
     """A part and its support: the equations and contacts of one system, and no others.
 
@@ -238,6 +258,8 @@ class Scene:
     fit : callable, optional
         Of a scene whose parts are listed in the study, such as the devices of a line: takes it and
         the names of the given parameters, and returns it with those parts.
+    part : MeshPart
+        The part from a file, for the variant `MESH`.
     """
 
     name: str
@@ -256,10 +278,12 @@ class Scene:
     seconds_a_cell: float = 1e-8
     rounding_bound: int | None = None
     fit: "Callable[[Scene, Collection[str]], Scene] | None" = None
+    part: MeshPart = UNREAD
 
-    def fitted(self, names: Collection[str]) -> "Scene":
-        """Return the scene fitted to a study's parameters; by default the scene itself."""
-        return self if self.fit is None else self.fit(self, names)
+    def fitted(self, names: Collection[str], part: MeshPart | None = None) -> "Scene":
+        """Return the scene fitted to a study's parameters, and to its part from a file."""
+        scene = self if part is None else replace(self, part=part)
+        return scene if self.fit is None else self.fit(scene, names)
 
     def defaults_of(self, variant: str) -> dict[str, float]:
         """Return the default values of a variant's parameters."""

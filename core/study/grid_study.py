@@ -132,36 +132,55 @@ def names_recording(content: object) -> bool:
     return isinstance(drive, Mapping) and "sha256" not in drive
 
 
-def _fitted(raw: object) -> object:
-    if isinstance(raw, Mapping) and "sha256" not in raw:  # the digest of a recording
-        raise refusal(
-            "its recording has not been fitted yet",
-            "Carry the study out, or load it by vibrafeed.load_study",
-        )
-    if not isinstance(raw, Mapping | MeasuredDrive | None):
-        raise refusal(
-            f"{str(raw)[:40]!r} does not say how to read a recording",
-            'Write [drive] with file = "recording.csv" and the columns along and normal',
-        )
-    return raw
+class FromFile:
+    """The annotation of a section that names a file, until its numbers stand in its place.
 
+    `written` is the model that a user writes, with `file` or `data`; of `kept`, with the `sha256`
+    of the file, is the value. `unread` and `unclear` are message and fix where the file has not
+    been read, and of what is no section.
+    """
 
-class _Written:
-    """The JSON Schema of a study's `drive`, made when it is asked for."""
+    def __init__(
+        self,
+        written: type[BaseModel],
+        kept: type[BaseModel],
+        unread: tuple[str, str],
+        unclear: tuple[str, str],
+    ) -> None:
+        self.written, self.kept, self.unread, self.unclear = written, kept, unread, unclear
+
+    def read(self, raw: object) -> object:
+        """Return a section that was read; refuse another."""
+        if isinstance(raw, Mapping) and "sha256" not in raw:  # the digest of the file
+            raise refusal(*self.unread)
+        if not isinstance(raw, Mapping | self.kept | None):
+            raise refusal(f"{str(raw)[:40]!r} {self.unclear[0]}", self.unclear[1])
+        return raw
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Return pydantic's schema of the value, with the check before it."""
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
 
     def __get_pydantic_json_schema__(self, *_: object) -> dict[str, Any]:
+        """Return the JSON Schema of what may be written, made when it is asked for."""
         source = {"oneOf": [{"required": ["file"]}, {"required": ["data"]}]}
-        return {
-            "anyOf": [
-                RecordedDrive.model_json_schema() | source,
-                MeasuredDrive.model_json_schema(),
-                {"type": "null"},
-            ],
-            "default": None,
-        }
+        written, kept = self.written.model_json_schema(), self.kept.model_json_schema()
+        return {"anyOf": [written | source, kept, {"type": "null"}], "default": None}
 
 
-Drive = Annotated[MeasuredDrive | None, BeforeValidator(_fitted), _Written()]
+CARRY_OUT: Final = "Carry the study out, or load it by vibrafeed.load_study"
+Drive = Annotated[
+    MeasuredDrive | None,
+    FromFile(
+        RecordedDrive,
+        MeasuredDrive,
+        ("its recording has not been fitted yet", CARRY_OUT),
+        (
+            "does not say how to read a recording",
+            'Write [drive] with file = "recording.csv" and the columns along and normal',
+        ),
+    ),
+]
 
 # --- Names and sizes in sections of a study.
 

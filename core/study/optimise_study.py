@@ -22,6 +22,7 @@ from vibrafeed.core.study.grid_study import (
     first_paths,
     parameters_in,
 )
+from vibrafeed.core.study.part_study import PART, Part
 from vibrafeed.core.study.values import Between, read_between
 
 
@@ -136,6 +137,7 @@ class OptimiseStudy(DrivenStudy):
         "default where left out.",
         max_length=100,
     )
+    part: Part = PART
     method: str | None = Field(
         None,
         description="The optimiser; where left out, the exact answer if there is one, else what "

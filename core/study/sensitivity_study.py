@@ -17,6 +17,7 @@ from vibrafeed.core.study.grid_study import (
     parameters_in,
     refusal,
 )
+from vibrafeed.core.study.part_study import PART, Part
 
 FEWEST_SAMPLES, MAX_SAMPLES = 256, 1 << 20
 MAX_DEMANDS = 20
@@ -55,6 +56,7 @@ class SensitivityStudy(DrivenStudy):
         "the scene's default where left out.",
         max_length=100,
     )
+    part: Part = PART
     method: str | None = Field(
         None,
         description="The method of motion in time, as in a simulation, where outputs are those of "

@@ -15,6 +15,7 @@ from vibrafeed.core.study.grid_study import (
     Study,
     refusal,
 )
+from vibrafeed.core.study.part_study import PART, Part
 from vibrafeed.core.study.reduction import Reduction
 
 # --- The key `sensitivities` of sweeps and simulations: what outputs are derived by.
@@ -181,6 +182,7 @@ class SweepStudy(Study):
         "default where left out.",
         max_length=100,
     )
+    part: Part = PART
     outputs: OutputNames = Field(
         description="Names of the outputs.", min_length=1, max_length=MAX_OUTPUTS
     )

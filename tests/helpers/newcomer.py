@@ -28,7 +28,7 @@ PARTS = re.compile(
     r"|^!\[[^\]]*\]\((?P<picture>[^)]+\.png)\)$",
     re.MULTILINE | re.DOTALL,
 )
-LINKED = re.compile(r"(?<!!)\[[^\]]*\]\(([\w./-]+\.(?:csv|toml))\)")
+LINKED = re.compile(r"(?<!!)\[[^\]]*\]\(([\w./-]+\.(?:csv|toml|stl))\)")
 NUMBER = re.compile(r"(?<![\w.])\d[\d,]*(?:\.\d+)?")
 TIMES = re.compile(r"\b[\d.,]+ (?:ms|s|min)\b")  # of computing
 ROUNDING = re.compile(r"-?\b\d[\d.]*e-\d+\b")  # residuals: another processor has others

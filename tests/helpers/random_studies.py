@@ -15,7 +15,7 @@ from vibrafeed.core.study import Study
 ROOT = Path(__file__).parents[2]
 KINDS = ("sweep", "simulate", "optimise", "sensitivity")
 FILES = sorted(ROOT.glob("configs/*.toml")) + sorted(ROOT.glob("configs/*/*.toml"))
-MEASURED = "measured-drive"  # its drive stands in a file beside it
+FROM_FILES = ("measured-drive", "resting-bracket")  # drive and part stand in files beside them
 MAX_AXES = {"sweep": 3, "simulate": 2, "optimise": 1, "sensitivity": 1}
 COUNTS = {"sweep": (1, 3, 13), "simulate": (1, 3, 11), "optimise": (1, 3), "sensitivity": (1, 3)}
 Content = dict[str, Any]
@@ -29,7 +29,7 @@ def shipped(kind: str) -> list[Content]:
 
 @cache
 def _every() -> list[Study]:
-    return [load_study(file) for file in FILES if file.stem != MEASURED]
+    return [load_study(file) for file in FILES if file.stem not in FROM_FILES]
 
 
 def random_study(random: np.random.Generator, kind: str, known: list[Content]) -> Content:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.intake import prepare_content, read_content
 from vibrafeed.core.kinds import tabulate
 from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.lazy import view as view_module
@@ -25,7 +24,7 @@ CONFIGS = Path(__file__).parents[3] / "configs"
 SWEEPS = {
     path.stem: content
     for path in sorted(CONFIGS.rglob("*.toml"))
-    if (content := tomllib.loads(path.read_text()))["kind"] == "sweep" and "reduce" not in content
+    if (content := read_content(path))["kind"] == "sweep" and "reduce" not in content
 }
 TRACK = {
     "kind": "sweep",
@@ -109,7 +108,7 @@ def check_every_chunk(sweep: Sweep, chunk_cells: int) -> None:
 
 @pytest.mark.parametrize("name", SWEEPS)
 def test_every_chunk_of_every_example_is_a_piece_of_the_whole(name):
-    check_every_chunk(prepare_content(SWEEPS[name]), chunk_cells=1500)
+    check_every_chunk(prepare_content(SWEEPS[name], files=True), chunk_cells=1500)
 
 
 @pytest.mark.parametrize("variant", ["physical", "derived", "thesis"])

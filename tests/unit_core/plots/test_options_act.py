@@ -13,6 +13,7 @@ import xarray
 from matplotlib.figure import Figure
 
 import vibrafeed
+from surfaces import box
 from vibrafeed.core.plots.drawing import draw
 from vibrafeed.core.plots.pictures import PICTURES, PlotError
 
@@ -57,6 +58,10 @@ def result(sort: str) -> xarray.Dataset:
                 scene="rectangle-on-plane", outputs=["conveying_velocity"], trajectory=40,
                 frequency=50, amplitude="0.2 mm", beta=25, friction=0.3,
             )  # fmt: skip
+        case "part":
+            return vibrafeed.sweep(
+                scene="resting-part", part=box(30, 20, 10), outputs=["thrown_share"]
+            )
         case "calibration":
             return vibrafeed.calibrate(
                 scene="rectangle-on-plane", frequency=50, discrepancy=False,
@@ -76,12 +81,13 @@ OF = {
     **dict.fromkeys(("distribution", "indices", "tornado"), "uncertain"),
     **dict.fromkeys(("line", "map", "contour", "levels"), "sweep"),
     "front": "front", "positions": "row", "trajectory": "course", "animation": "course",
-    "landscape": "optimum", "bodies": "impact",
+    "landscape": "optimum", "bodies": "impact", "aspects": "part",
 }  # fmt: skip
 AT = {
     "sweep": {"amplitude": 0.00005}, "impact": {"friction": 0.3},
     "optimum": {"amplitude": 0.0001}, "front": {"amplitude": 0.00005}, "uncertain": {"gamma": 0},
     "row": {"friction": 0.3}, "course": {"friction": 0.3}, "calibration": {"frequency": 50},
+    "part": {"aspect": 2},
 }  # fmt: skip
 OPTIONS: Mapping[str, Any] = {
     "variable": {"variable": "throw_number"},

@@ -15,9 +15,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import vibrafeed
+from surfaces import box
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import forms, parse_study, read_content, read_json, read_toml
 from vibrafeed.core.intake.forms import FORMS, REQUESTS, resolve_files, to_curl, to_powershell
+from vibrafeed.core.intake.studies import study_of
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.study.grid_study import names_recording
 
@@ -79,8 +81,8 @@ def studies_of(content) -> dict[str, vibrafeed.Study]:
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
 def test_every_study_keeps_its_key_in_every_form(path):
     content = read_content(path)
-    if names_recording(content):
-        pytest.skip("its numbers come from a recording")
+    if names_recording(content) or "part" in content:
+        pytest.skip("its numbers come from a file")
     key = parse_study(content).key()
     assert {form: study.key() for form, study in studies_of(content).items()} == dict.fromkeys(
         FORMS, key
@@ -150,6 +152,20 @@ def test_a_recording_is_found_from_where_the_form_is_used(tmp_path):
     with pytest.raises(StudyError, match="cannot be read"):
         resolve_files(content, "curl", tmp_path)
     assert resolve_files(PLANE, "curl", tmp_path) == PLANE
+
+
+def test_a_part_is_sent_by_its_numbers(tmp_path):
+    file = tmp_path / "box.stl"
+    file.write_text(box(30, 20, 10)["data"])
+    content = {"kind": "sweep", "scene": "resting-part", "outputs": ["thrown_share"],
+               "part": {"file": str(file), "unit": "mm"}}  # fmt: skip
+    assert resolve_files(content, "toml", tmp_path / "studies")["part"]["file"] == "../box.stl"
+    for form in REQUESTS:
+        sent = resolve_files(content, form, tmp_path)
+        assert parse_study(sent).key() == study_of(content).key()
+    file.unlink()
+    with pytest.raises(StudyError, match="cannot be read"):
+        resolve_files(content, "curl", tmp_path)
 
 
 def test_the_forms_are_those_that_the_command_names():

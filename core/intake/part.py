@@ -1,0 +1,241 @@
+"""The section `part` of a study: from a file with the surface of a part to the way it lies."""
+
+import base64
+import binascii
+import hashlib
+import io
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from pydantic import ValidationError
+
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
+from vibrafeed.core.intake.section import (
+    Content,
+    Resolved,
+    Section,
+    Stranger,
+    file_beside,
+    no_field,
+    problems_of,
+    source_of,
+    unreadable,
+)
+from vibrafeed.core.quantities.orienting import PartAspect
+from vibrafeed.core.scenes.scene import MESH
+from vibrafeed.core.study.part_study import MAX_CORNERS, UNITS, PartFile, PartOfFile
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
+
+MAX_BYTES = 50_000_000  # a million triangles of a binary STL
+MAX_TRIANGLES = 1_000_000
+SUFFIXES = (".stl", ".obj", ".ply")
+SIZES = (1e-5, 10.0)  # m, of parts
+FLAT = 1e-9  # volume over the cube of the length, below which there is none
+DIGITS = 12  # of kept numbers: few enough to be equal on all processors
+PICTURE_DIGITS = 5  # of numbers for pictures
+CELLS = 12  # of a surface along its diagonal, of which pictures show one corner
+EXPORT = "Export the part from the CAD program again, as one closed solid"
+BESIDE_PART: Final = {"variant": MESH, "parameters": {}}
+"""Keys of a study that may be left out beside `part`."""
+PLAIN = ("part_volume", "part_mass", "regime")
+"""Outputs that all aspects of a part share."""
+
+
+def with_part(content: Content, files: bool) -> Resolved:
+    """Return the content of a study with the numbers of its part in place of the file."""
+    section = content["part"]
+    if not isinstance(section, Mapping) or "sha256" in section:
+        return Resolved(content)
+    try:
+        part = read_part(section, files)
+    except StudyError as error:
+        without = {name: value for name, value in content.items() if name != "part"}
+        return Resolved({**BESIDE_PART, **without}, error.problems)
+    return Resolved({
+        **BESIDE_PART,
+        **_with_aspects(content, len(part.aspects)),
+        "part": part.model_dump(mode="json"),
+    })  # fmt: skip
+
+
+def _with_aspects(content: Content, count: int) -> Content:
+    """The content, in which a resting part has all its aspects where none is named."""
+    named = [content.get(key) for key in ("parameters", "variables", "uncertain")]
+    is_set = any(isinstance(one, Mapping) and "aspect" in one for one in named)
+    outputs, parameters = content.get("outputs"), content.get("parameters", {})
+    asked = outputs if isinstance(outputs, list | tuple) else ()
+    needed = any(output not in PLAIN for output in asked)
+    if is_set or not needed or content.get("scene") != "resting-part":
+        return content
+    if not isinstance(parameters, Mapping):
+        return content  # which its reader tells
+    every = {"start": 1, "stop": count, "num": count} if count > 1 else 1
+    return {**content, "parameters": {**parameters, "aspect": every}}
+
+
+def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
+    """Return the numbers of the part that a section of a study names.
+
+    `files` is True if files of this machine may be read. Raises `StudyError` with every problem.
+    """
+    from vibrafeed.core.solid import RoundedError, aspects_of  # with trimesh, half a second
+
+    try:
+        asked = PartFile.model_validate(part)
+    except ValidationError as error:
+        raise StudyError(problems_of(error, {"part": PART}, PART.unknown, within="part")) from None
+    raw, name = _content(asked, files)
+    path = "part.data" if asked.file is None else "part.file"
+    solid = _solid(raw, name, path, UNITS[asked.unit])
+    with np.errstate(invalid="ignore", divide="ignore"):  # without volume there is no centre
+        raise_any(_faults(solid, name, path))
+    try:
+        aspects = aspects_of(solid)
+    except RoundedError as error:
+        raise refused(
+            path,
+            f"{error}: more than it can rest on by itself, such as facets of a rounded side",
+            "Export it with finer facets, or give a round part as another variant, such as "
+            "cylinder",
+        ) from None
+    surface = _coarse_surface(solid)
+    return PartOfFile(
+        name=name,
+        sha256=hashlib.sha256(raw).hexdigest(),
+        volume=_rounded(solid.volume),
+        centre=_rounded(solid.center_mass),
+        inertia=_rounded(solid.moment_inertia),
+        aspects=tuple(_kept(one) for one in aspects),
+        corners=_rounded(surface.vertices - solid.center_mass, PICTURE_DIGITS),
+        triangles=tuple(map(tuple, surface.faces.tolist())),
+    )
+
+
+def _coarse_surface(solid: "Trimesh") -> "Trimesh":
+    """The surface, or if it is too fine for pictures the hull of some of its corners."""
+    if len(solid.vertices) <= MAX_CORNERS and len(solid.faces) <= 2 * MAX_CORNERS:
+        return solid
+    from trimesh.convex import convex_hull  # as above
+
+    cells = (solid.vertices / solid.scale * CELLS).round()
+    return convex_hull(solid.vertices[np.unique(cells, axis=0, return_index=True)[1]])
+
+
+def _rounded(values: Any, digits: int = DIGITS) -> Any:
+    """Numbers as floats and tuples of them, rounded to digits of the largest: noise is 0."""
+    largest = float(np.abs(values).max())
+    decimals = digits - math.ceil(math.log10(largest)) if largest > 0 else 0
+    rounded = (np.round(values, decimals) + 0.0).tolist()
+    if np.ndim(values) == 2:
+        return tuple(map(tuple, rounded))
+    return tuple(rounded) if np.ndim(values) else rounded
+
+
+def _kept(aspect: PartAspect) -> PartAspect:
+    return PartAspect(**{name: _rounded(value) for name, value in vars(aspect).items()})
+
+
+def _content(asked: PartFile, files: bool) -> tuple[bytes, str]:
+    text = "the text of an ASCII STL or OBJ file, or a binary STL file in Base64"
+    source = source_of("part", asked.file, asked.data, "file", text, files=files)
+    if isinstance(source, str):
+        return _of_text(source), "data"
+    if source.suffix.lower() not in SUFFIXES:
+        raise refused(
+            "part.file",
+            f"'{source.name[:60]}' is not an STL, OBJ or PLY file",
+            "Export the part from the CAD program as STL",
+        )
+    try:
+        if source.stat().st_size > MAX_BYTES:
+            raise _too_large("part.file", source.name)
+        return source.read_bytes(), source.name
+    except (OSError, ValueError) as error:  # a NUL in its name is the second
+        raise unreadable("part.file", error, source, "the file") from None
+
+
+def _too_large(path: str, name: str) -> StudyError:
+    return refused(
+        path,
+        f"{name} is too large: the limit is {MAX_TRIANGLES:,} triangles, {MAX_BYTES // 10**6} MB",
+        "Export it with coarser facets",
+    )
+
+
+def _of_text(text: str) -> bytes:
+    try:
+        return base64.b64decode(text, validate=True)
+    except (binascii.Error, ValueError):
+        return text.encode("utf-8", "surrogatepass")
+
+
+def _solid(raw: bytes, name: str, path: str, metre: float) -> "Trimesh":
+    from trimesh import Trimesh, load_mesh  # as above
+
+    kind = Path(name).suffix.lower().removeprefix(".")
+    if not kind:
+        kind = "stl" if raw[:5] == b"solid" or b"\0" in raw[:84] else "obj"
+    try:
+        solid = load_mesh(io.BytesIO(raw), file_type=kind, process=False)
+    except Exception as error:  # of a damaged file the library raises of many kinds
+        raise refused(
+            path, f"{name} is damaged, or is not a file of its kind: {error}"[:300], EXPORT
+        ) from None
+    if not isinstance(solid, Trimesh) or not len(solid.faces):
+        raise refused(path, f"{name} has no triangles, or is damaged", EXPORT)
+    if len(solid.faces) > MAX_TRIANGLES:
+        raise _too_large(path, name)
+    if not np.isfinite(solid.vertices).all():
+        raise refused(path, f"{name} has coordinates that are not finite numbers", EXPORT)
+    size = metre * float(np.ptp(solid.vertices, axis=0).max())
+    if not SIZES[0] <= size <= SIZES[1]:
+        raise refused(
+            "part.unit",
+            f"the part is {size:.3g} m long",
+            f"Parts are {SIZES[0]:g} to {SIZES[1]:g} m long; give the unit of the file's "
+            f"coordinates: {', '.join(UNITS)}",
+        )
+    solid.merge_vertices(merge_tex=True, merge_norm=True)
+    corners = solid.faces
+    # A triangle with two corners at one point covers nothing.
+    solid.update_faces((corners != np.roll(corners, 1, axis=1)).all(axis=1))
+    solid.apply_scale(metre)  # type: ignore[no-untyped-call]
+    return solid
+
+
+def _faults(solid: "Trimesh", name: str, path: str) -> Iterable[Problem]:
+    repair = f"{EXPORT}, or fix it with a repair tool such as MeshLab"
+    if not solid.is_watertight:
+        yield Problem(
+            path, f"the surface of {name} is not closed, or has edges of three triangles", repair
+        )
+    if not solid.is_winding_consistent:
+        yield Problem(path, f"some triangles of {name} face outwards, others inwards", repair)
+    if solid.body_count > 1:
+        yield Problem(path, f"{name} has {solid.body_count:,} bodies", "Export a single part")
+    if solid.is_watertight and abs(solid.volume) < FLAT * solid.scale**3:
+        yield Problem(path, f"{name} encloses no volume", EXPORT)
+    elif solid.is_watertight and solid.volume < 0:
+        yield Problem(path, f"{name} is inside out: its triangles face inwards", repair)
+
+
+def _absent(stranger: Stranger) -> Problem:
+    return Problem(
+        stranger.place,
+        "studies of this kind take no part from a file",
+        'Write kind = "sweep", "optimise" or "sensitivity"',
+    )
+
+
+PART: Final = Section(
+    beside=file_beside,
+    resolve=with_part,
+    unknown=lambda stranger: no_field(stranger, PartFile),
+    absent=_absent,
+)
+"""The section `part`."""

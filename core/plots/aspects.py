@@ -1,0 +1,132 @@
+"""A part from a file as it lies: a drawing of each aspect, with its shares, height and lane."""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from vibrafeed.core.plots.parts import finish
+from vibrafeed.core.plots.pictures import PlotError
+from vibrafeed.core.plots.style import Array, Options, Style, mix, number
+from vibrafeed.core.study.shown import Shown
+
+COLUMNS = 3
+PIECES = 4_000  # triangles that a drawing has at most, after they are halved to be sorted by depth
+SHARP = np.cos(np.radians(25))  # of the angle between triangles from which on their edge is drawn
+FROM_LEFT, FROM_ABOVE = np.radians(35), np.radians(25)  # the view, off the side of the lane
+
+
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True if nothing else is asked for of the aspects of a part."""
+    return not options.asks and set(dataset.dims) == {"aspect"}
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
+    """Return a drawing of each aspect of the part from a file that a result is of."""
+    part = json.loads(dataset.attrs.get("study", "{}")).get("part")
+    if part is None:
+        raise PlotError("dataset", "it is of no part from a file", "Draw another kind")
+    style, aspects = options.style, part["aspects"]
+    columns = min(COLUMNS, len(aspects))
+    rows = -(-len(aspects) // columns)
+    figure = style.sheet(2.9 * columns + 0.6, 2.9 * rows + 0.9)
+    panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
+    corners, edges = _pieces(np.array(part["corners"]), np.array(part["triangles"]))
+    unit = options.units.of("m", float(np.ptp(corners, axis=(0, 1)).max()))
+    for order, (panel, aspect) in enumerate(zip(panels, aspects, strict=False), 1):
+        _draw_aspect(panel, corners, edges, aspect, style)
+        _label(panel, order, aspect, unit, style)
+    reach = max(float(np.abs(panel.dataLim.get_points()).max()) for panel in panels[: len(aspects)])
+    for panel in panels:
+        panel.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
+        panel.axis("off")
+    finish(figure, panels[0], style, name=options.title or f"How {part['name']} comes to rest")
+    note = "Shares of parts that are let down, and thrown: the truth lies between"
+    figure.supxlabel(note, fontsize=style.text(8.5), color=style.quiet, x=0.02, ha="left")
+    return figure
+
+
+def _pieces(corners: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArray[np.bool_]]:
+    """Small triangles of a surface, (n, 3, 3), and which of their sides, (n, 3), are its edges."""
+    pieces = corners[triangles]
+    normals = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    sides = {(a, b): k for k, each in enumerate(triangles.tolist()) for a, b in _sides(each)}
+    edges = np.array([
+        [normals[k] @ normals[sides.get((b, a), k)] < SHARP for a, b in _sides(each)]
+        for k, each in enumerate(triangles.tolist())
+    ])  # fmt: skip
+    while 4 * len(pieces) <= PIECES:
+        a, b, c = np.moveaxis(pieces, 1, 0)
+        p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        ab, bc, ca = edges.T
+        no = np.zeros_like(ab)
+        parts = ((a, p, r), (p, b, q), (r, q, c), (p, q, r))
+        kept = ((ab, no, ca), (ab, bc, no), (no, bc, ca), (no, no, no))
+        pieces = np.concatenate([np.stack(each, axis=1) for each in parts])
+        edges = np.concatenate([np.stack(each, axis=1) for each in kept])
+    return pieces, edges
+
+
+def _sides(triangle: list[int]) -> Iterator[tuple[int, int]]:
+    a, b, c = triangle
+    return iter(((a, b), (b, c), (c, a)))
+
+
+def _draw_aspect(
+    panel: Axes, pieces: Array, edges: NDArray[np.bool_], aspect: dict[str, Any], style: Style
+) -> None:
+    up, along = -np.array(aspect["down"]), np.array(aspect["along"])
+    across = np.cross(up, along)
+    # The lane leads from the viewer's left to the right.
+    right = along * np.cos(FROM_LEFT) + across * np.sin(FROM_LEFT)
+    away = across * np.cos(FROM_LEFT) - along * np.sin(FROM_LEFT)
+    towards = up * np.sin(FROM_ABOVE) - away * np.cos(FROM_ABOVE)
+    upward = up * np.cos(FROM_ABOVE) + away * np.sin(FROM_ABOVE)
+    normals = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
+    facing = normals @ towards > 0
+    pieces, edges, normals = pieces[facing], edges[facing], normals[facing]
+    light = normals @ (up + 0.6 * towards - 0.3 * right)
+    light /= np.maximum(1.7 * np.linalg.norm(normals, axis=1), 1e-300)
+    flat = np.stack([pieces @ right, pieces @ upward], axis=-1)
+    depths = pieces @ towards
+    owners, sides = np.nonzero(edges)
+    # What is nearer is drawn later, and the edges of a triangle after those that lie beside it.
+    shapes = [
+        *flat,
+        *(flat[k][[side, (side + 1) % 3]] for k, side in zip(owners, sides, strict=True)),
+    ]
+    order = np.argsort(np.concatenate([depths.mean(1), depths[owners].max(1)]), kind="stable")
+    colours = [
+        mix(style.ground, style.curve, 0.65 - 0.45 * float(one)) for one in np.clip(light, 0, 1)
+    ]
+    faces = [*colours, *["none"] * len(owners)]
+    lines = [*colours, *[style.ink] * len(owners)]
+    panel.add_collection(
+        PolyCollection(
+            [shapes[k] for k in order],
+            facecolors=[faces[k] for k in order],
+            edgecolors=[lines[k] for k in order],
+            linewidths=style.width(0.8),
+        )
+    )
+    panel.update_datalim(flat.reshape(-1, 2))
+
+
+def _label(panel: Axes, order: int, aspect: dict[str, Any], unit: Shown, style: Style) -> None:
+    shares = sorted(100 * aspect[f"{one}_share"] for one in ("let_down", "thrown"))
+    low, high = (f"{one:.0f}" for one in shares)
+    bracket = low if low == high else f"{low} to {high}"
+    height, lane = (number(aspect[one] * unit.factor, 3) for one in ("height", "width"))
+    panel.text(
+        0.5, 0.0,
+        f"{order}: {bracket} %\n{height} {unit.unit} high, lane {lane} {unit.unit}",
+        transform=panel.transAxes, ha="center", va="top", fontsize=style.text(9.5),
+        color=style.ink, linespacing=1.4,
+    )  # fmt: skip

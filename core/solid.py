@@ -1,0 +1,281 @@
+"""The aspects of a solid: the ways in which it lies on its hull, and how sure it stands.
+
+An aspect is a way of lying: on a face of the hull, the foot of the centre of mass inside that face.
+"""
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull
+from trimesh import Trimesh
+
+from vibrafeed.core.quantities.orienting import MAX_ASPECTS, PartAspect
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+SAME = 1e-6
+"""Facets of the hull are one face up to this difference of their normals, and of their distances
+from the centre as a share of the size: files of 32-bit numbers hold no more."""
+ALIKE = 1e-5
+"""Share of the size up to which a turned hull is the same hull."""
+MAX_STABLE = 1_000
+"""Stable faces, most of them facets of a rounded side, that are compared with each other."""
+RISE, ROUNDED = 5e-3, np.cos(np.radians(12))
+"""Facets are one rounded side if their normals differ by up to 12 degrees, and the centre rises by
+less than this share of the size from one to the other."""
+COMPARED = 64
+"""Corners by which a turned hull is compared."""
+
+
+class RoundedError(ValueError):
+    """A solid that rests on too many faces, as the facets of a sphere."""
+
+
+class Hull:
+    """The convex hull of points about the origin, its facets joined to faces.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, 3)
+        Its corners.
+    facets, faces : ndarray, shapes (m, 3) and (m,)
+        The corners of each triangle by number, and the number of the face that it belongs to.
+    normals, heights, middles : ndarray, shapes (k, 3), (k,) and (k, 3)
+        The outward normal of each face, its distance from the origin, and its centre of area.
+    size : float
+        The distance of the farthest corner.
+    """
+
+    def __init__(self, points: Floats) -> None:
+        hull = ConvexHull(points)
+        self.points: Floats = points[hull.vertices]
+        self.size = float(np.linalg.norm(self.points, axis=1).max())
+        renumbered = np.full(len(points), -1)
+        renumbered[hull.vertices] = np.arange(len(hull.vertices))
+        self.facets: Indices = renumbered[hull.simplices]
+        self.beside: Indices = hull.neighbors  # the neighbour k lies opposite to the corner k
+        normals, heights = hull.equations[:, :3], -hull.equations[:, 3]
+        self.faces = self._joined(normals, heights)
+        # One facet speaks for each face: its largest, whose normal is the surest.
+        a, b, c = np.moveaxis(self.points[self.facets], 1, 0)
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        largest = _first_of_each(self.faces, -areas)
+        self.normals, self.heights = normals[largest], heights[largest]
+        whole = np.bincount(self.faces, areas)
+        sums = (np.bincount(self.faces, areas * one) for one in (a + b + c).T / 3)
+        self.middles: Floats = np.stack([*sums], axis=1) / whole[:, None]
+
+    def _joined(self, normals: Floats, heights: Floats) -> Indices:
+        facets, beside = np.repeat(np.arange(len(normals)), 3), self.beside.ravel()
+        same = np.abs(normals[facets] - normals[beside]).max(1) < SAME
+        same &= np.abs(heights[facets] - heights[beside]) < SAME * self.size
+        return _linked(facets[same], beside[same], len(normals))
+
+    def solid_angles(self) -> Floats:
+        """Return the share of all directions in which the origin sees each face [1]."""
+        # Van Oosterom and Strackee (1983).
+        corners = self.points[self.facets]
+        a, b, c = np.moveaxis(corners, 1, 0)
+        lengths = np.linalg.norm(corners, axis=2).T
+        dot = np.einsum
+        volume = np.abs(dot("ij,ij->i", a, np.cross(b, c)))
+        below = lengths.prod(0) + dot("ij,ij->i", a, b) * lengths[2]
+        below += dot("ij,ij->i", b, c) * lengths[0] + dot("ij,ij->i", c, a) * lengths[1]
+        angles = np.bincount(self.faces, 2 * np.arctan2(volume, below), len(self.heights))
+        return angles / (4 * np.pi)
+
+    @cached_property
+    def rims(self) -> "Rims":
+        """The edges of all faces."""
+        own, other = np.repeat(self.faces, 3), self.faces[self.beside.ravel()]
+        rim = own != other
+        own, other = own[rim], other[rim]
+        starts, ends = (self.points[self.facets[:, k].ravel()[rim]] for k in ([1, 2, 0], [2, 0, 1]))
+        middle = self.middles[own] - starts
+        outward = np.cross(ends - starts, self.normals[own])
+        outward /= np.linalg.norm(outward, axis=1)[:, None]
+        outward *= -np.sign(np.einsum("ij,ij->i", outward, middle))[:, None]
+        foot = self.normals[own] * self.heights[own, None] - starts
+        beyond = np.einsum("ij,ij->i", outward, foot)
+        return Rims(own, other, beyond, -np.einsum("ij,ij->i", outward, middle))
+
+    @cached_property
+    def edge_distances(self) -> Floats:
+        """The distance of the origin's foot from the nearest edge of each face; below 0 outside."""
+        return -self.rims.beyond[_first_of_each(self.rims.own, -self.rims.beyond)]
+
+    @cached_property
+    def ends(self) -> Indices:
+        """The face on which the solid comes to rest from each face, the same where that is stable.
+
+        From an unstable face it rolls on over the edge that the line from the middle of the face to
+        the foot crosses, onto a face that is nearer to the centre.
+        """
+        rims = self.rims
+        over = rims.other[_first_of_each(rims.own, -rims.beyond / rims.inside)]
+        ends = np.arange(len(self.heights))
+        for face in np.argsort(self.heights):
+            if self.edge_distances[face] < -SAME * self.size:
+                ends[face] = ends[over[face]]
+        return ends
+
+    def joined_ends(self) -> Indices:
+        """Return a number for each face that faces share on whose rounded side the solid rests."""
+        rims, ends = self.rims, self.ends
+        # From either side: the saddle between two aspects is near neither.
+        lower = np.minimum(self.heights[ends[rims.own]], self.heights[ends[rims.other]])
+        rise = np.hypot(self.heights[rims.own], rims.beyond) - lower
+        turned = np.einsum("ij,ij->i", self.normals[rims.own], self.normals[rims.other])
+        low = (rise < RISE * self.size) & (turned > ROUNDED)
+        return _linked(ends[rims.own[low]], ends[rims.other[low]], len(self.heights))
+
+    def is_same_turned(self, down: Floats, other: Floats) -> bool:
+        """True if a rotation that turns the direction `down` to `other` maps the hull to itself.
+
+        Its farthest corner from the axis has to come to another one as far and as high; then no
+        corner may lie outside.
+        """
+        before, after = (self.points @ _frame(one).T for one in (down, other))
+        reach = np.hypot(*before[:, :2].T)
+        far = reach.argmax()
+        tolerance = ALIKE * self.size
+        alike = np.abs(np.hypot(*after[:, :2].T) - reach[far]) < tolerance
+        alike &= np.abs(after[:, 2] - before[far, 2]) < tolerance
+        some = before[:: max(1, len(before) // COMPARED)]
+        for x, y, _ in after[alike]:
+            turn = np.arctan2(y, x) - np.arctan2(before[far, 1], before[far, 0])
+            cos, sin = np.cos(turn), np.sin(turn)
+            turned = some @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) @ _frame(other)
+            if (turned @ self.normals.T - self.heights).max() < tolerance:
+                return True
+        return False
+
+
+class Rims(NamedTuple):
+    """The edges of faces: each has two, one of either face.
+
+    The faces `own`, and `other` behind the edge; the distance `beyond` the edge of the origin's
+    foot on `own`, and that of the middle of `own` inside it.
+    """
+
+    own: Indices
+    other: Indices
+    beyond: Floats
+    inside: Floats
+
+
+def _linked(first: Indices, second: Indices, count: int) -> Indices:
+    graph = coo_array((np.ones(len(first), bool), (first, second)), shape=(count, count))
+    return connected_components(graph, directed=False)[1].astype(np.int64)
+
+
+def _first_of_each(groups: Indices, order: Floats) -> Indices:
+    """Return the place of the least `order` in each of the groups 0, 1, ..."""
+    sorted_ = np.lexsort((order, groups))
+    return sorted_[np.searchsorted(groups[sorted_], np.arange(groups.max() + 1))]
+
+
+def _frame(down: Floats) -> Floats:
+    """Two axes of the floor, and the one upwards: a right-handed frame, rows (3, 3)."""
+    first = np.cross(down, np.eye(3)[np.abs(down).argmin()])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(-down, first), -down])
+
+
+def aspects_of(solid: Trimesh) -> tuple[PartAspect, ...]:
+    """Return the aspects of a solid, the centre of mass of the first being the lowest.
+
+    A let-down solid ends on the face through which its weight acts: the share of a face is the
+    solid angle under which the centre sees it, over 4 pi. If the foot of the centre lies beside it,
+    the face is unstable, and its share goes on over the edge that the foot has passed. Shares of
+    thrown solids are as those times (R - h)^2 (theory 16.1). Facets of one rounded side, and faces
+    that a rotation of the hull turns to each other, are one aspect.
+
+    Raises
+    ------
+    RoundedError
+        If there are more than `MAX_ASPECTS`.
+    """
+    hull = Hull(solid.vertices - solid.center_mass)
+    gyration = solid.moment_inertia / solid.volume
+    sides = hull.joined_ends()
+    angles = np.bincount(sides[hull.ends], hull.solid_angles(), len(sides))
+    shares = angles.astype(np.float64)[sides]
+    faces = np.unique(hull.ends)
+    # Heights that differ by rounding are equal, and the larger share comes first.
+    faces = faces[np.lexsort((-shares[faces], (hull.heights[faces] / hull.size / ALIKE).round()))]
+    faces = faces[np.sort(np.unique(sides[faces], return_index=True)[1])]
+    groups = _alike(hull, faces, shares)
+    together = np.array([shares[one].sum() for one in groups])
+    thrown = together * [(1 - hull.heights[one[0]] / hull.size) ** 2 for one in groups]
+    return tuple(
+        _aspect(hull, gyration, one[0], float(share), float(other))
+        for one, share, other in zip(groups, together, thrown / thrown.sum(), strict=True)
+    )
+
+
+def _alike(hull: Hull, faces: Indices, shares: Floats) -> list[list[int]]:
+    groups: list[list[int]] = []
+    for face in faces[: MAX_STABLE + 1]:
+        for group in groups:
+            first = group[0]
+            equal = abs(hull.heights[face] - hull.heights[first]) < ALIKE * hull.size
+            equal &= abs(shares[face] - shares[first]) < ALIKE
+            if equal and hull.is_same_turned(hull.normals[face], hull.normals[first]):
+                group.append(int(face))
+                break
+        else:
+            groups.append([int(face)])
+        if len(groups) > MAX_ASPECTS or len(faces) > MAX_STABLE:
+            raise RoundedError(f"the part rests on {len(faces):,} faces of its hull")
+    return groups
+
+
+def _aspect(hull: Hull, gyration: Floats, face: int, let_down: float, thrown: float) -> PartAspect:
+    down, height = hull.normals[face], hull.heights[face]
+    axes = _frame(down)
+    flat = hull.points @ axes[:2].T
+    base = flat[np.unique(hull.facets[hull.faces == face])]
+    rectangles = ((lengths, along, _reach(base, along)) for lengths, along in _rectangles(flat))
+    # The least area; of equal ones the shorter base, which topples first.
+    (length, width), along, base_along = min(
+        rectangles, key=lambda one: (round(one[0][0] * one[0][1] / hull.size**2, 6), one[2])
+    )
+    across = np.array([-along[1], along[0]])
+    about = across @ axes[:2]
+    return PartAspect(
+        let_down_share=let_down,
+        thrown_share=thrown,
+        height=float(height + (hull.points @ -down).max()),
+        centre_height=float(height),
+        length=length,
+        width=width,
+        base_along=base_along,
+        base_across=_reach(base, across),
+        base_least=max(0.0, float(hull.edge_distances[face])),
+        gyration=float(np.sqrt(about @ gyration @ about)),
+        down=(float(down[0]), float(down[1]), float(down[2])),
+        along=tuple(map(float, along @ axes[:2])),  # type: ignore[arg-type] # three of them
+    )
+
+
+def _reach(base: Floats, direction: Floats) -> float:
+    """The shorter distance from the foot of the centre to both ends of the base."""
+    there = base @ direction
+    return float(min(there.max(), -there.min()))
+
+
+def _rectangles(flat: Floats) -> Iterator[tuple[tuple[float, float], Floats]]:
+    """Rectangles on the sides of the hull of points in a plane: sizes and longer direction."""
+    rim = flat[ConvexHull(flat).vertices]
+    for side in np.roll(rim, -1, axis=0) - rim:
+        along = side / np.hypot(*side)
+        across = np.array([-along[1], along[0]])
+        length, width = (float(np.ptp(rim @ one)) for one in (along, across))
+        yield ((length, width), along) if length >= width else ((width, length), across)
