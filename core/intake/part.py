@@ -6,6 +6,7 @@ import hashlib
 import io
 import math
 from collections.abc import Iterable, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -27,13 +28,15 @@ from vibrafeed.core.intake.section import (
 from vibrafeed.core.quantities.orienting import PartAspect
 from vibrafeed.core.scenes.scene import MESH
 from vibrafeed.core.study.part_study import MAX_CORNERS, UNITS, PartFile, PartOfFile
+from vibrafeed.core.system import installing
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
 
 MAX_BYTES = 50_000_000  # a million triangles of a binary STL
 MAX_TRIANGLES = 1_000_000
-SUFFIXES = (".stl", ".obj", ".ply")
+SUFFIXES = (".stl", ".obj", ".ply", ".step", ".stp")
+TURN = 0.05  # rad from facet to facet of a rounded side of a STEP file
 SIZES = (1e-5, 10.0)  # m, of parts
 FLAT = 1e-9  # volume over the cube of the length, below which there is none
 DIGITS = 12  # of kept numbers: few enough to be equal on all processors
@@ -83,6 +86,7 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
 
     `files` is True if files of this machine may be read. Raises `StudyError` with every problem.
     """
+    _raise_if_missing("trimesh", "a part from its file")
     from vibrafeed.core.solid import RoundedError, aspects_of  # with trimesh, half a second
 
     try:
@@ -91,7 +95,7 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
         raise StudyError(problems_of(error, {"part": PART}, PART.unknown, within="part")) from None
     raw, name = _content(asked, files)
     path = "part.data" if asked.file is None else "part.file"
-    solid = _solid(raw, name, path, UNITS[asked.unit])
+    solid = _solid(raw, name, path, asked.unit)
     with np.errstate(invalid="ignore", divide="ignore"):  # without volume there is no centre
         raise_any(_faults(solid, name, path))
     try:
@@ -141,15 +145,15 @@ def _kept(aspect: PartAspect) -> PartAspect:
 
 
 def _content(asked: PartFile, files: bool) -> tuple[bytes, str]:
-    text = "the text of an ASCII STL or OBJ file, or a binary STL file in Base64"
+    text = "the text of an ASCII STL, OBJ or STEP file, or a binary STL file in Base64"
     source = source_of("part", asked.file, asked.data, "file", text, files=files)
     if isinstance(source, str):
         return _of_text(source), "data"
     if source.suffix.lower() not in SUFFIXES:
         raise refused(
             "part.file",
-            f"'{source.name[:60]}' is not an STL, OBJ or PLY file",
-            "Export the part from the CAD program as STL",
+            f"'{source.name[:60]}' is not an STL, OBJ, PLY or STEP file",
+            "Export the part from the CAD program as STL or STEP",
         )
     try:
         if source.stat().st_size > MAX_BYTES:
@@ -174,14 +178,41 @@ def _of_text(text: str) -> bytes:
         return text.encode("utf-8", "surrogatepass")
 
 
-def _solid(raw: bytes, name: str, path: str, metre: float) -> "Trimesh":
+def _raise_if_missing(package: str, use: str) -> None:
+    if find_spec(package) is None:
+        fix = installing(package, "mesh")
+        raise refused("part", f"{use} needs {package}, which is not installed", fix)
+
+
+def _kind(raw: bytes, name: str) -> str:
+    kind = Path(name).suffix.lower().removeprefix(".").replace("stp", "step")
+    if kind:
+        return kind
+    if raw[:13] == b"ISO-10303-21;":
+        return "step"
+    return "stl" if raw[:5] == b"solid" or b"\0" in raw[:84] else "obj"
+
+
+def _raise_if_unit_is_wrong(kind: str, unit: str | None) -> None:
+    """A STEP file says its unit, and trimesh gives it in metres; the others say none."""
+    if kind == "step" and unit is not None:
+        raise refused("part.unit", "a STEP file says its unit itself", "Remove unit")
+    if kind != "step" and unit is None:
+        fix = f"Give the unit of the file's coordinates: {', '.join(UNITS)}"
+        raise refused("part.unit", "it is missing", fix)
+
+
+def _solid(raw: bytes, name: str, path: str, unit: str | None) -> "Trimesh":
     from trimesh import Trimesh, load_mesh  # as above
 
-    kind = Path(name).suffix.lower().removeprefix(".")
-    if not kind:
-        kind = "stl" if raw[:5] == b"solid" or b"\0" in raw[:84] else "obj"
+    kind, options = _kind(raw, name), dict[str, Any]()
+    _raise_if_unit_is_wrong(kind, unit)
+    if kind == "step":
+        _raise_if_missing("cascadio", "a STEP file")
+        options = {"tol_angular": TURN}
+    metre = 1.0 if unit is None else UNITS[unit]
     try:
-        solid = load_mesh(io.BytesIO(raw), file_type=kind, process=False)
+        solid = load_mesh(io.BytesIO(raw), file_type=kind, process=False, **options)
     except Exception as error:  # of a damaged file the library raises of many kinds
         raise refused(
             path, f"{name} is damaged, or is not a file of its kind: {error}"[:300], EXPORT

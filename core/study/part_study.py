@@ -24,15 +24,18 @@ class PartFile(BaseModel):
 
     file: Path | None = Field(
         None,
-        description="Its STL, OBJ or PLY file, in the study's folder; over HTTP give data instead.",
+        description="Its STL, OBJ, PLY or STEP file, in the study's folder; over HTTP give data "
+        "instead.",
     )
     data: str | None = Field(
         None,
-        description="The text of an ASCII STL or OBJ file, or a binary STL file in Base64.",
+        description="The text of an ASCII STL, OBJ or STEP file, or a binary STL file in Base64.",
         max_length=MAX_TEXT,
     )
-    unit: Literal["mm", "cm", "m", "inch", "in"] = Field(
-        description="Unit of the coordinates, which the file does not say."
+    unit: Literal["mm", "cm", "m", "inch", "in"] | None = Field(
+        None,
+        description="Unit of the coordinates of an STL, OBJ or PLY file, which does not say it; a "
+        "STEP file says its own.",
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 import vibrafeed
-from surfaces import as_data, box
+from surfaces import as_data, as_step, box
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.intake.part import read_part
@@ -121,6 +121,19 @@ def test_a_file_is_read_beside_its_study_and_the_result_runs_without_it(tmp_path
     assert f"box.{kind} (SHA-256 {loaded.part.sha256})" in table.attrs["part"]
 
 
+def test_a_step_file_says_its_unit(tmp_path):
+    pytest.importorskip("cascadio")
+    text, sizes = as_step(trimesh.creation.box((30, 20, 10))), ["lying_height", "lying_length"]
+    (tmp_path / "box.stp").write_text(text)
+    known, outputs = resting(box(30, 20, 10), [*SHARES, *sizes]), [*SHARES, *sizes]
+    for part in ({"data": text}, {"file": str(tmp_path / "box.stp")}):
+        found = resting(part, outputs)
+        for name in outputs:  # its numbers have passed through 32 bits
+            assert found[name].values == pytest.approx(known[name].values, rel=1e-6)
+    assert "itself" in refusal({"data": text, "unit": "mm"})["part.unit"]
+    assert "part.data" in refusal({"data": text[: len(text) // 2]})
+
+
 def test_a_binary_file_as_text():
     raw = trimesh.creation.box((30, 20, 10)).export(file_type="stl")
     found = resting({"data": base64.b64encode(raw).decode(), "unit": "mm"})
@@ -213,7 +226,7 @@ def test_files_that_cannot_be_read(tmp_path):
         file.write(b"\0")
     for name, message in {
         "missing.stl": "No such file", "junk.stl": "is damaged", "large.stl": "is too large",
-        "bracket.step": "is not an STL, OBJ or PLY file",
+        "bracket.iges": "is not an STL, OBJ, PLY or STEP file",
     }.items():  # fmt: skip
         assert message in refusal({"file": str(tmp_path / name), "unit": "mm"})["part.file"]
 
