@@ -118,6 +118,7 @@ def faults_of(path: Path) -> Iterator[Fault]:
         name = path.relative_to(ROOT).as_posix()
         return Fault(kind, name, line, start, stop, text[start:stop], after)
 
+    before: str
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.BinOp) and type(node.op) in SIGNS:
             kind, (before, after) = "sign", SIGNS[type(node.op)]
@@ -125,7 +126,9 @@ def faults_of(path: Path) -> Iterator[Fault]:
         elif isinstance(node, ast.Compare) and type(node.ops[0]) in COMPARISONS:
             kind, (before, after) = "comparison", COMPARISONS[type(node.ops[0])]
             left, right = node.left, node.comparators[0]
-        elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
+        elif isinstance(node, ast.Constant) and isinstance(node.value, int | float):
+            if isinstance(node.value, bool):
+                continue
             start = place(node.lineno, node.col_offset)
             stop = place(node.end_lineno, node.end_col_offset)
             if node.value in UNITS:
