@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import logging
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -16,11 +15,6 @@ from typing import TextIO
 
 import structlog
 from structlog.typing import EventDict, WrappedLogger
-
-logger = logging.getLogger("vibrafeed.requests")
-
-NO_HTTP = "Invalid HTTP request received."  # as uvicorn says it
-MAX_REFUSALS = 20  # lines of it a second
 
 # What the request line tells beside itself. One dict a request, shared by its copied contexts, so
 # that what a thread of the pool binds is seen by the event loop too.
@@ -45,55 +39,6 @@ def bind(**fields: object) -> None:
     current = _request.get()
     if current is not None:
         current.update(fields)
-
-
-class Sparing:
-    """Lets through a limited number of log lines per second, and logs how many it has left out.
-
-    Without it a crowd of clients could fill the disk with log lines.
-
-    Parameters
-    ----------
-    most : int
-        The largest number of lines a second.
-    untold : str
-        Text of the warning on the lines that were left out; their number is its field `requests`.
-    """
-
-    def __init__(self, most: int, untold: str):
-        """Let `most` lines a second pass; `untold` names what is left out."""
-        self._most, self._untold_of = most, untold
-        self._second, self._lines, self._untold = 0, 0, 0
-
-    def has_room(self) -> bool:
-        """True if one more line may be written in this second; count the line.
-
-        In the first call of a new second, log the number of lines that were left out before.
-        """
-        now = int(time.monotonic())
-        if now != self._second:
-            if self._untold:
-                logger.warning(self._untold_of, extra={"requests": self._untold})
-            self._second, self._lines, self._untold = now, 0, 0
-        self._lines += 1
-        self._untold += self._lines > self._most
-        return self._lines <= self._most
-
-
-class _FewRefusals(logging.Filter):
-    """Lets through few of uvicorn's lines on what is no HTTP, which costs nothing to send."""
-
-    def __init__(self) -> None:
-        """Limit the lines about requests that are not HTTP."""
-        super().__init__()
-        self._lines = Sparing(MAX_REFUSALS, "requests that are no HTTP are not counted")
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        """True if a line may pass: all but excess lines about requests that are not HTTP."""
-        return record.msg != NO_HTTP or self._lines.has_room()
-
-
-_few_refusals = _FewRefusals()
 
 
 def configure(stream: TextIO | None = None) -> None:
@@ -130,7 +75,6 @@ def configure(stream: TextIO | None = None) -> None:
         known = logging.getLogger(name)
         known.handlers, known.propagate = [], True
         known.setLevel(logging.INFO)
-    logging.getLogger("uvicorn.error").addFilter(_few_refusals)
 
 
 def _merge_request(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:

@@ -7,7 +7,6 @@ import contextlib
 import logging
 import os
 import threading
-from collections import Counter
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -18,8 +17,10 @@ from fastapi_offline import FastAPIOffline
 
 from vibrafeed import core
 from vibrafeed.app import traces
+from vibrafeed.app.jobs import work
 from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.cluster import Cluster
+from vibrafeed.app.jobs.fair_queue import FairQueue
 from vibrafeed.app.jobs.keys import Keys
 from vibrafeed.app.jobs.ledger import Ledger
 from vibrafeed.app.jobs.process_pool import ProcessPool
@@ -28,11 +29,8 @@ from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.writer import Writer
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web import calculations, guard, openapi, problems
-from vibrafeed.app.web.compress import Compress
-from vibrafeed.app.web.made_once import MadeOnce
 from vibrafeed.app.web.metrics import Metrics, watch_jobs
 from vibrafeed.app.web.observe import Observe
-from vibrafeed.app.web.outgoing import Outgoing, Unsent
 from vibrafeed.app.web.routes import (
     convert,
     figures,
@@ -46,8 +44,7 @@ from vibrafeed.app.web.routes import (
     sweeps,
     zarr,
 )
-from vibrafeed.app.web.shares import CORES, SLOTS, Shares
-from vibrafeed.app.web.stopping import Stopping
+from vibrafeed.app.web.shares import CORES
 from vibrafeed.app.web.warmth import Warmth
 from vibrafeed.app.web.zarr_views import ZarrViews
 
@@ -65,14 +62,15 @@ def create_app(settings: Settings) -> FastAPI:
     Nothing runs yet: workers and background tasks start when a server starts the application, and
     stop when it shuts down. Its parts hang on `app.state`, where routes find them.
     """
-    store = Store(settings.data_directory, settings.results_url)
+    store = Store(settings.data_directory)
     ledger = Ledger(settings.ledger)
-    keys = Keys(ledger.database, settings.api_key_hashes)
-    cluster = Cluster(settings.scheduler, settings.workers)
-    runner = Runner(ledger, store, cluster, settings)
+    keys = Keys(ledger.database)
+    process_pool = ProcessPool(settings.workers, (calculations.__name__, work.__name__))
+    workers = Cluster(settings.scheduler) if settings.scheduler else process_pool
+    runner = Runner(ledger, store, workers, settings)
     admission = Admission(ledger, store, settings, runner.wake, runner.waits)
-    process_pool = ProcessPool(SLOTS, (calculations.__name__,))
     writer = Writer(store, admission.make_room, settings, process_pool)
+    warmth = Warmth()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -89,12 +87,17 @@ def create_app(settings: Settings) -> FastAPI:
         await runner.start()
         stopping = asyncio.Event()
         tidying = asyncio.create_task(_tidy(admission, stopping))
+        beside = [asyncio.create_task(app.state.metrics.watch_loop())]
+        if settings.warm_at_start:
+            beside.append(asyncio.create_task(warmth.compile()))
+            beside.append(asyncio.create_task(process_pool.start()))
         yield
         await runner.stop()  # first of all: others may go on with the work
+        for task in beside:
+            task.cancel()
         stopping.set()
         await tidying
         await asyncio.to_thread(process_pool.close)
-        store.close()
         ledger.close()
         if spans is not None:
             await asyncio.to_thread(spans.close)
@@ -114,51 +117,42 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.writer = writer
     app.state.admission = admission
     app.state.keys = keys
-    app.state.shares = Shares()
-    app.state.large_shares = Shares(of_owner=max(1, CORES - 1))
+    app.state.large_shares = FairQueue(max(2, CORES))
+    app.state.lists = FairQueue(CORES + 1, of_owner=1)
     app.state.process_pool = process_pool
-    app.state.made_once = MadeOnce()
-    app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
-    app.state.unsent = Unsent(settings.max_unsent_bytes)
-    app.state.warmth = Warmth()  # started where the service is served
-    app.state.uploads = (
-        Counter()
-    )  # bodies on their way, by address: `vibrafeed.app.web.connections`
+    app.state.one_document = CapacityLimiter(1)
+    app.state.views = ZarrViews(store)
+    app.state.warmth = warmth
     app.state.metrics = Metrics()  # other parts add gauges
     # Of (name, check): see `vibrafeed.app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.fault), ("ledger", ledger.fault)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
-    watch_jobs(app.state.metrics, admission, cluster, settings)
-    runner.work_progress.witnesses.append(app.state.metrics)
+    watch_jobs(app.state.metrics, admission, workers.alive, settings)
+    runner.witnesses.append(app.state.metrics)
     spans = traces.configured()
     if spans is not None:
-        runner.work_progress.witnesses.append(spans)
+        runner.witnesses.append(spans)
         admission.posted = spans.posted
     problems.install(app)
     studies = (scenes, figures, friction, convert, sweeps)
     for part in (health, *studies, zarr, processes, jobs, results):
         app.include_router(part.router)
     page.install(app)
-    openapi.install(app)
-    app.add_middleware(Compress)  # within what counts the bytes that wait
-    app.add_middleware(Outgoing, unsent=app.state.unsent)
-    guard.install(app, settings, keys)
-    app.add_middleware(Stopping, stopping=app.state.stopping)
+    openapi.install(app, keys)
+    guard.install(app, settings, keys, app.state.stopping)
     app.add_middleware(Observe, metrics=app.state.metrics, traces=spans)
-    app.add_middleware(guard.SafeHeaders)
     return app
 
 
 async def _tidy(admission: Admission, stopping: asyncio.Event) -> None:
-    """Tidy and check the data directory at intervals until the service stops.
+    """Tidy the data directory at intervals until the service stops.
 
-    `admission` removes what is old and compares results with their digests; `stopping` is the event
-    that ends the loop. Errors go to the log, and the loop continues.
+    `admission` removes what is old; `stopping` is the event that ends the loop. Errors go to the
+    log, and the loop continues.
     """
     while not stopping.is_set():
         try:
             await asyncio.to_thread(admission.tidy)
-            await asyncio.to_thread(admission.scrub, stopping.is_set)
         except Exception:
             logger.exception("tidying failed")
         with contextlib.suppress(TimeoutError):

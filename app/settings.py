@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated
 from urllib.parse import urlsplit
 
-from pydantic import BeforeValidator, Field, SecretStr, field_serializer, field_validator
+from pydantic import BeforeValidator, Field, SecretStr, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from vibrafeed.app.folders import data_folder
@@ -32,8 +32,14 @@ TEST_SWITCHES = (
     "VIBRAFEED_LAW_CELLS",
     "VIBRAFEED_DURATIONS",
 )
+FORMER = {
+    "VIBRAFEED_ZARR_CACHE_BYTES": "Leave it out: Zarr chunks are computed when they are read",
+    "VIBRAFEED_RESULTS_URL": "Leave it out: results are kept in VIBRAFEED_DATA_DIRECTORY alone",
+    "VIBRAFEED_MAX_UNSENT_BYTES": "Leave it out: a proxy holds slow readers",
+    "VIBRAFEED_API_KEY_HASHES": "Leave it out, and make keys by `vibrafeed key add`",
+}
+"""Settings of former versions, and the setting that does the same."""
 
-_DIGEST = re.compile(r"[0-9a-fA-F]{64}")
 _ORIGIN = re.compile(r"https?://([a-z0-9.-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
 
 
@@ -98,14 +104,6 @@ class Settings(BaseSettings):
         description="Directory in which the service stores studies and results; created if "
         "missing. By default `vibrafeed` in the data folder of the user, on Linux "
         "`~/.local/share`.",
-    )
-    results_url: str = Field(
-        default="",
-        pattern=r"^$|^(s3|gs|az)://.+",
-        description="URL of an object store to which results are copied, as in "
-        "`s3://bucket/prefix`; a server that lacks a result fetches it from "
-        "there. Credentials and address of the store come from the environment, "
-        "as for other clients of the store.",
     )
     ledger_url: SecretStr | None = Field(
         default=None,
@@ -184,20 +182,21 @@ class Settings(BaseSettings):
     concurrent_jobs: int = Field(
         default=4,
         gt=0,
-        description="Maximum number of long studies that run in parallel, and the same number "
-        "of short studies in addition.",
+        description="Maximum number of studies that run in parallel; one that is smaller than "
+        "all of them starts in addition.",
     )
     scheduler: str | None = Field(
         default=None,
         pattern=r"^(tcp|tls)://",
-        description="Address of a Dask scheduler whose workers see the data directory under the "
-        "same path; by default the service starts its own workers.",
+        description="Address of a Dask scheduler that computes the blocks of jobs, as in "
+        "`tls://scheduler.example:8786`; its workers see the data directory under the same path. "
+        "Whoever reaches a scheduler runs code on its workers.",
     )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         gt=0,
-        description="Number of worker processes that the service starts; by default one for "
-        "each processor core.",
+        description="Number of processes that compute; by default one for each processor core. "
+        "One more is kept for short work.",
     )
     lease_seconds: float = Field(
         default=15.0,
@@ -232,19 +231,6 @@ class Settings(BaseSettings):
         description="Maximum number of rows of a result sent as an XLSX table, which is "
         "slow to write.",
     )
-    zarr_cache_bytes: int = Field(
-        default=32_000_000,
-        ge=0,
-        description="Memory, in bytes, that caches the Zarr chunks read last.",
-    )
-    api_key_hashes: Words = Field(
-        default=(),
-        description="SHA-256 hashes of accepted access keys, in hexadecimal, as a JSON list "
-        "or comma-separated; `vibrafeed key hash` makes a key and its hash. These "
-        "keys have the role admin; `vibrafeed key add` makes other keys while the "
-        "service runs. To listen on addresses other than loopback, the service "
-        "needs at least one key.",
-    )
     cors_origins: Words = Field(
         default=(),
         description="Origins of other web pages whose scripts may use the service, as in "
@@ -255,12 +241,6 @@ class Settings(BaseSettings):
         gt=0,
         description="Maximum number of requests that are served at the same time; further "
         "requests are answered with 503.",
-    )
-    max_unsent_bytes: int = Field(
-        default=256_000_000,
-        gt=0,
-        description="Maximum size in bytes of all replies that clients have not yet read; "
-        "beyond it further requests are answered with 503.",
     )
     warm_at_start: bool = Field(
         default=True,
@@ -293,23 +273,6 @@ class Settings(BaseSettings):
         url = self.ledger_url
         return url.get_secret_value() if url else self.data_directory / "jobs.sqlite3"
 
-    @field_validator("api_key_hashes")
-    @classmethod
-    def _digests(cls, hashes: tuple[str, ...]) -> tuple[str, ...]:
-        """Check that each hash is a SHA-256 in hexadecimal digits.
-
-        Return the hashes in small letters. Raises `ValueError` with the number of the first wrong
-        one.
-        """
-        # A wrong one may be a key: its number says which, and it is not echoed.
-        for number, word in enumerate(hashes, 1):
-            if not _DIGEST.fullmatch(word):
-                raise ValueError(
-                    f"hash {number} of {len(hashes)} is not a SHA-256 in 64 hexadecimal "
-                    "digits; `vibrafeed key hash` makes one"
-                )
-        return tuple(word.lower() for word in hashes)
-
     @field_validator("ledger_url")
     @classmethod
     def _database(cls, url: SecretStr | None) -> SecretStr | None:
@@ -324,19 +287,19 @@ class Settings(BaseSettings):
                 raise ValueError(why)
         return url
 
-    @field_validator("results_url")
+    @field_validator("scheduler")
     @classmethod
-    def _store(cls, url: str) -> str:
-        """Return the URL of the object store unchanged.
+    def _cluster(cls, address: str | None) -> str | None:
+        """Return the address of the scheduler unchanged.
 
-        Raise `ValueError` if it needs obstore, missing here.
+        Raise `ValueError` if it needs distributed, missing here.
         """
-        if url and find_spec("obstore") is None:
+        if address and find_spec("distributed") is None:
             raise ValueError(
-                "an object store needs the package obstore, which is missing: "
-                f"{installing('obstore', 'cluster')}"
+                "a Dask scheduler needs the package distributed, which is missing: "
+                f"{installing('distributed', 'cluster')}"
             )
-        return url
+        return address
 
     @field_validator("cors_origins")
     @classmethod
@@ -353,24 +316,20 @@ class Settings(BaseSettings):
                 )
         return origins
 
-    @field_serializer("api_key_hashes")
-    def _masked(self, hashes: tuple[str, ...]) -> list[str]:
-        """Return the hashes of keys cut to eight digits, for printing."""
-        return [f"{word[:8]}..." for word in hashes]
-
 
 def unknown_variables(names: Iterable[str]) -> list[Problem]:
     """Return a problem for each environment variable named like a setting that does not exist.
 
     `names` are the names of all environment variables. Those that begin with `VIBRAFEED_` have to
-    be settings, or switches of the tests; a problem suggests the setting with the nearest name.
+    be settings, or switches of the tests; a problem says what replaces a former setting,
+    or suggests the nearest name.
     """
     known = [PREFIX + name.upper() for name in Settings.model_fields]
     return [
         Problem(
             name,
             "no setting of vibrafeed is read from an environment variable of this name",
-            suggestion(name.upper(), known),
+            FORMER.get(name.upper()) or suggestion(name.upper(), known),
         )
         for name in sorted(names)
         if name.upper().startswith(PREFIX) and name.upper() not in (*known, *TEST_SWITCHES)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -28,7 +28,7 @@ from vibrafeed import core
 from vibrafeed.app import logs
 
 if TYPE_CHECKING:
-    from vibrafeed.app.jobs.entries import Work
+    from vibrafeed.app.jobs.ledger import Work
 
 MAX_POSTED = 10_000  # studies whose request is remembered until they are taken up
 FLUSH = 1.0  # s that the last spans may take to leave
@@ -113,16 +113,12 @@ class Traces:
         self._working[item.owner] = span
         return {"trace_id": format_trace_id(span.get_span_context().trace_id)}
 
-    def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Add a span for each block of an item that was just computed, all ending now.
-
-        `seconds` are the computing times of these blocks [s].
-        """
+    def computed(self, item: Work, seconds: float) -> None:
+        """Add a span, ending now, for a block of an item that took some time [s]."""
         if item.owner not in self._working:
             return
         context, now = set_span_in_context(self._working[item.owner]), time.time_ns()
-        for one in seconds:
-            self._tracer.start_span("block", context, start_time=now - int(one * 1e9)).end(now)
+        self._tracer.start_span("block", context, start_time=now - int(seconds * 1e9)).end(now)
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
         """End the span of an item of work and record its outcome, such as `done` or `failed`.

@@ -19,7 +19,7 @@ from benchmarks.motion import SETTINGS, mixed_grid
 from benchmarks.motions import planar_motion
 from benchmarks.options import options
 from benchmarks.timing import least
-from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.method import STATUS, Motion
 
 TOLERANCES = (1e-12, 0.01, 0.03, 0.1)
 LONG = 40_000.0  # periods of the drive that tell the mean

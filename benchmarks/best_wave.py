@@ -20,8 +20,7 @@ from vibrafeed.core.motion.drives import driven, shape_of
 from vibrafeed.core.motion.events import planar_path
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.motion.waves import ALONG, speed
-from vibrafeed.core.plan.equations import run_equations
-from vibrafeed.core.plan.plan import plan_scene
+from vibrafeed.core.plan.plan import plan_scene, run_equations
 
 Array = np.ndarray
 PICTURE = Path(__file__).parents[1] / "docs" / "generated" / "best-wave.png"

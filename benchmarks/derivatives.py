@@ -17,8 +17,7 @@ from benchmarks.options import options
 from benchmarks.timing import in_turns
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.plan.differences import STATUS, derivatives
-from vibrafeed.core.plan.equations import run_equations
-from vibrafeed.core.plan.plan import plan_scene
+from vibrafeed.core.plan.plan import plan_scene, run_equations
 
 OUTPUT = "conveying_velocity"
 NAMES = ("frequency", "gravity", "amplitude", "beta", "friction_kinetic")

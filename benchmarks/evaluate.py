@@ -32,10 +32,9 @@ from benchmarks.options import options
 from benchmarks.timing import timed
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.plan.blocks import evaluate_in_blocks
-from vibrafeed.core.plan.evaluate import Fused, empty_results
+from vibrafeed.core.plan.evaluate import Fused, empty_results, evaluate_in_blocks
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.plan import Plan, make_plan, scene_parameters
+from vibrafeed.core.plan.plan import Plan, find_scene, plan_scene, scene_parameters
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.quantities import QUANTITIES
@@ -190,7 +189,7 @@ def plan_of(name: str, variant: str, outputs: Sequence[str]) -> Plan:
     given += [] if {"friction_static", "friction_kinetic"} & set(given) else ["friction"]
     while True:
         try:
-            return make_plan(name, variant, outputs, given)
+            return plan_scene(*find_scene(name, variant), outputs, given)
         except StudyError as error:
             unused = {problem.place.removeprefix("parameters.") for problem in error.problems}
             if not unused & set(given):

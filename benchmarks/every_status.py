@@ -15,7 +15,6 @@ import numpy as np
 from numpy.random import Generator
 
 from benchmarks.options import options
-from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels import means
 from vibrafeed.core.motion.kernels.constants import COLUMN, RESULTS, STATUS, TALLY
 from vibrafeed.core.motion.kernels.inputs import NEVER, Flags, Floats, cell_of
@@ -23,6 +22,7 @@ from vibrafeed.core.motion.kernels.track import push, solve_cells
 from vibrafeed.core.motion.kernels.track.push import TURN, at_rest, new_work
 from vibrafeed.core.motion.kernels.track.settling import apart, approach, new_history
 from vibrafeed.core.motion.kernels.track.space_cells import FINE
+from vibrafeed.core.motion.method import Contacts, Groups, cells_of
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 GRAVITY = 9.80665

@@ -17,7 +17,7 @@ from benchmarks.motions import follow, planar_motion
 from benchmarks.options import options
 from benchmarks.timing import timed
 from vibrafeed.core.intake import parse_study
-from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.method import STATUS, Motion
 from vibrafeed.core.optimise.exact import closed_optima, is_closed
 from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.optima import compute, designs_of

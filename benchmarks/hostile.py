@@ -1,33 +1,44 @@
 """Clients that mean harm, for tests/service/test_hostile.py: their cost for all others.
 
-`suffered` carries out an attack against a fresh server that may open 1,024 files. Meanwhile a
-process of its own asks /healthz and for a small slice, again and again, each time on a new
-connection, and from another address of this machine: it is another owner.
+`suffered` carries out an attack against a fresh server. Meanwhile a process of its own asks
+/healthz and for a small slice, again and again, each time on a new connection, and from another
+address of this machine: it is another owner. Slow clients are the proxy's
+(tests/service/test_operations.py); these ask for what is dear. `python -m benchmarks.hostile`
+prints the effects of all attacks, or of those that it names.
 """
 
 from __future__ import annotations
 
+import copy
 import http.client
+import itertools
+import math
 import multiprocessing
-import selectors
-import socket
+import sqlite3
 import threading
 import time
-from collections.abc import Callable
+import tomllib
+import uuid
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import closing, suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 import psutil
 
+from benchmarks.options import options
 from benchmarks.serving import Served, served
 
-OPEN_FILES = 1024
+ROOT = Path(__file__).parents[1]
+CLIENTS = 16
+JOBS = 100_000  # in the ledger: what one owner may keep
+ROWS = 20_000  # of a recording: as many as are taken
 REST = 10.0  # s after an attack, until the memory is looked at again
 STILL, LOOK = 5.0, 3.0  # s from then on, until it is looked whether somebody still works, and for
 ELSEWHERE = "127.0.0.2"  # where another owner asks from: without keys an address is one
+ASYNC = {"Prefer": "respond-async"}
 PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"]}
 GRID = {"frequency": 50, "amplitude": 0.0005, "alpha": 5, "friction": 0.3}
 SMALL: dict[str, Any] = {
@@ -42,60 +53,115 @@ LARGE: dict[str, Any] = {  # a slice of it has 10^6 values
         "gamma": {"start": 0, "stop": 20, "num": 1000},
     },
 }
+Attack = Callable[[Served, float], None]
+Request = tuple[str, str, Any, dict[str, Any]]
+"""Method, path, content and headers."""
 
 
-def silent(server: Served, seconds: float) -> None:
-    """Attack: keep 1,200 connections open without sending anything."""
-    _crowd(server, [b""] * 1200, seconds)
+def _ask_again_and_again(server: Served, requests: Iterator[Request], seconds: float) -> None:
+    """Let clients send requests, each the next one as soon as it is answered."""
+    until, lock = time.monotonic() + seconds, threading.Lock()
+
+    def ask() -> None:
+        while time.monotonic() < until:
+            with lock:
+                method, path, content, headers = next(requests)
+            with suppress(OSError, http.client.HTTPException):
+                server.ask(method, path, content, **headers)
+
+    with ThreadPoolExecutor(CLIENTS) as threads:
+        for one in [threads.submit(ask) for _ in range(CLIENTS)]:
+            one.result()
 
 
-def deaf_slices(server: Served, seconds: float) -> None:
-    """Attack: twice 200 clients request a slice of 10^6 values and read nothing."""
+def _executions(
+    study: dict[str, Any], varied: str, process: str = "", path: str = ""
+) -> Iterator[Request]:
+    """Yield posts of a study, each with another value of a parameter, in turn now and as jobs."""
+    path = path or f"/processes/{process or study['kind']}/execution"
+    for number in itertools.count():
+        posted = copy.deepcopy(study)
+        posted["parameters"][varied] *= 1 + 1e-6 * number
+        yield "POST", path, posted, ASYNC if number % 2 else {}
+
+
+def _configured(name: str, **parameters: Any) -> dict[str, Any]:
+    """Return a study of configs/ with other values of some parameters."""
+    study = tomllib.loads((ROOT / "configs" / f"{name}.toml").read_text(encoding="utf-8"))
+    study["parameters"].update(parameters)
+    return study
+
+
+def async_recordings(server: Served, seconds: float) -> None:
+    """Attack: jobs of recordings of 20,000 rows, which are fitted before the job is accepted."""
+    lines = [f"{n * 1e-4:.4f},{math.sin(n * 0.0314):.4f}" for n in range(ROWS)]
+    study = {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "drive": {"data": "\n".join(["time [s],ax [g]", *lines]), "along": "ax"},
+        "parameters": {"friction": 0.3, "drive_factor": 1.0},
+    }
+    path = "/processes/simulate/execution"
+    requests = (
+        ("POST", path, content, ASYNC) for _, _, content, _ in _executions(study, "drive_factor")
+    )
+    _ask_again_and_again(server, requests, seconds)
+
+
+def many_jobs(server: Served, seconds: float) -> None:
+    """Attack: ask for the list of 100,000 jobs, by state and time."""
+    server.post_job("sweep", SMALL)
+    with closing(sqlite3.connect(server.data / "jobs.sqlite3", timeout=60)) as ledger:
+        names = [row[1] for row in ledger.execute("PRAGMA table_info(jobs)")]
+        first = dict(zip(names, ledger.execute("SELECT * FROM jobs").fetchone(), strict=True))
+        rows = [
+            {**first, "id": str(uuid.uuid4()), "created": first["created"] - n} for n in range(JOBS)
+        ]
+        marks = ", ".join(f":{name}" for name in names)
+        ledger.executemany(f"INSERT INTO jobs VALUES ({marks})", rows)
+        ledger.commit()
+    path = "/jobs?limit=1000&minDuration=0&processID=sweep&datetime=2000-01-01T00:00:00Z/.."
+    _ask_again_and_again(server, itertools.repeat(("GET", path, None, {})), seconds)
+
+
+def large_slices(server: Served, seconds: float) -> None:
+    """Attack: ask for slices of 10^6 values in every form."""
     key = server.post("/sweeps", LARGE)["id"]
-    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma"
-    host = "{}:{}".format(*server.place)
-    request = f"GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n".encode()
-    for _ in range(2):
-        _crowd(server, [request] * 200, seconds / 2)
+    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta,gamma&format="
+    forms = itertools.cycle(("json", "binary", "csv", "parquet"))
+    _ask_again_and_again(server, (("GET", path + form, None, {}) for form in forms), seconds)
 
 
-def _crowd(server: Served, requests: list[bytes], seconds: float) -> None:
-    """Open a connection for each request, send it, read nothing, and keep it open for so long.
+def posted(study: dict[str, Any], varied: str, process: str = "", path: str = "") -> Attack:
+    """Return the attack that posts a study again and again."""
+    return lambda server, seconds: _ask_again_and_again(
+        server, _executions(study, varied, process, path), seconds
+    )
 
-    Connections that the server closes are opened anew.
-    """
-    until = time.monotonic() + seconds
-    chosen = selectors.DefaultSelector()
 
-    def join(request: bytes) -> None:
-        client = socket.socket()
-        client.setblocking(False)
-        client.connect_ex(server.place)
-        chosen.register(client, selectors.EVENT_READ | selectors.EVENT_WRITE, request)
-
-    for request in requests:
-        join(request)
-    sent: set[socket.socket] = set()
-    while time.monotonic() < until and chosen.get_map():
-        for key, events in chosen.select(0.1):
-            client = key.fileobj
-            assert isinstance(client, socket.socket)
-            if client not in sent:
-                if events & selectors.EVENT_WRITE:
-                    with suppress(OSError):
-                        client.send(key.data)
-                    sent.add(client)
-                    chosen.modify(client, selectors.EVENT_READ, key.data)
-                continue
-            chosen.unregister(client)
-            with suppress(OSError):
-                if client.recv(1, socket.MSG_PEEK):  # an answer, which stays where it is
-                    continue
-            sent.discard(client)
-            client.close()
-            join(key.data)
-    for one in [*sent, *(key.fileobj for key in chosen.get_map().values())]:
-        one.close()  # type: ignore[union-attr]
+ROW = _configured("row", frequency=50.0, amplitude={"start": 1e-4, "stop": 4e-4, "num": 200})
+ROW.pop("trajectory")  # of one point only
+ATTACKS: dict[str, Attack] = {
+    "async_recordings": async_recordings,
+    "many_jobs": many_jobs,
+    "large_slices": large_slices,
+    "rows": posted(ROW, "frequency"),
+    "drive_units": posted(_configured("linear-drive-unit", moving_mass=10.0), "moving_mass"),
+    "lines": posted(_configured("orienting-line", arrival_rate=5.0), "arrival_rate"),
+    "resting": posted(_configured("resting-part", diameter=0.02), "diameter"),
+    "calibrate": posted(_configured("calibrate-friction", frequency=50.0), "frequency"),
+    "reports": posted(_configured("track-motion", frequency=50.0), "frequency", "accuracy"),
+    "tumbling": posted(_configured("tumbling", length=0.02), "length"),
+    "robust_optima": posted(_configured("optimise-robust", frequency=50.0), "frequency"),
+    "fronts": posted(_configured("optimise-pareto", frequency=60.0), "frequency"),
+    "row_sheets": posted(ROW, "frequency", path="/convert?to=python"),
+    "drive_unit_sweeps": posted(
+        _configured("linear-drive-unit", moving_mass=10.0), "moving_mass", path="/sweeps"
+    ),
+    "report_pictures": posted(
+        _configured("track-motion", frequency=50.0, alpha=[0, 1, 2, 3, 4]), "frequency", "accuracy"
+    ),
+}
 
 
 def watch(server: Served, small: str, telling: Connection) -> None:
@@ -127,7 +193,7 @@ def suffered(attack: Callable[[Served, float], None], seconds: float) -> dict[st
     `peak` and `after` the server's memory, at most and 10 s after the attack [bytes], `log` the
     bytes of log a second, and `busy` the cores that work on 15 s after it.
     """
-    with served(open_files=OPEN_FILES, workers=2) as server:
+    with served(workers=2) as server:
         key = server.post("/sweeps", SMALL)["id"]
         small = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta"
         server.get(small)
@@ -163,3 +229,18 @@ def _busy(process: psutil.Process) -> float:
     before = spent()
     time.sleep(LOOK)
     return sum(seconds - before.get(pid, 0.0) for pid, seconds in spent().items()) / LOOK
+
+
+def main() -> None:
+    """Print what the attacks do to others."""
+    wanted = options(__doc__, *ATTACKS, seconds=14.0)
+    for name in wanted.names or ATTACKS:
+        found = suffered(ATTACKS[name], wanted.seconds)
+        health, small = found["health"], found["small"]
+        memory = [f"{found[when] / 1e6:.0f} MB" for when in ("peak", "after")]
+        print(f"{name:18} /healthz silent {health:6.2f} s, another's slice {small:6.2f} s")
+        print(f"{'':18} memory {' then '.join(memory)}, {found['busy']:.1f} cores busy", flush=True)
+
+
+if __name__ == "__main__":
+    main()

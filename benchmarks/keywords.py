@@ -12,7 +12,7 @@ from pathlib import Path
 
 from vibrafeed.core.catalogue import scene_parameters
 from vibrafeed.core.motion.drive_units import PARAMETERS_OF_UNIT
-from vibrafeed.core.motion.row_scene import CHOOSING
+from vibrafeed.core.motion.row_scene import STOP_GAPS
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drives import BOWL_TRACK, DRIVE
@@ -47,7 +47,8 @@ def in_time() -> set[str]:
     """Return the parameters that motion in time takes in any scene: drives, units, tracks, rows."""
     rows = (f"{stem}_{n + 1}" for stem in NUMBERS for n in range(MAX_NUMBERED))
     registries = [name for one in (DRIVE, BOWL_TRACK) for name in one if QUANTITIES[name].parameter]
-    return {*registries, *PARAMETERS_OF_UNIT, *CHOOSING, *rows}
+    choosing = ("friction_spread", "friction_seed", *STOP_GAPS)
+    return {*registries, *PARAMETERS_OF_UNIT, *choosing, *rows}
 
 
 def taken(name: str) -> set[str]:

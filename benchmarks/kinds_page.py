@@ -6,7 +6,7 @@ from pathlib import Path
 
 from vibrafeed.core.intake.forms import to_toml
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.plan.pieces import Kind
 
 PAGE = Path(__file__).parents[1] / "docs" / "generated" / "kinds.md"
 

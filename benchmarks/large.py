@@ -7,7 +7,8 @@ Seven axes of the narrow track. In turns, each in a process of its own that has 
 - the largest and the mean speed over two axes, and over five;
 - the same with xarray in numpy blocks, over fewer cells and without regimes, which tell the cells
   that count;
-- a sweep in memory, stored as NetCDF (zlib 1), and stored as Zarr.
+- a sweep in memory, stored as NetCDF (zlib 1), and stored as Zarr;
+- a slice of 10^5 values from a service, by the clock.
 
 Each line has nanoseconds a cell, the least of the runs, by the clock and of the processor, which
 other programs disturb less; and the ratio to the older tree, such as a clone of another commit.
@@ -18,10 +19,13 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +33,9 @@ import numpy as np
 import xarray
 
 from benchmarks.options import options
+from benchmarks.service import Client
+from benchmarks.serving import served
+from benchmarks.timing import in_turns
 from vibrafeed.core.intake import prepare_content
 
 HERE = Path(__file__).parents[1]
@@ -46,6 +53,8 @@ RADIUS, GRAVITY = 0.8, 9.80665
 TWO, FIVE = ("alpha", "beta"), ("alpha", "beta", "gamma", "friction", "distance")
 PEER_CELLS = 30_000_000
 """Of xarray, which is slow."""
+COMPILED, SLICES = 120, 200
+"""Slices until the loop is compiled, and those that are measured."""
 
 WORKER = """
 import shutil, sys, time
@@ -133,6 +142,26 @@ def measured(tree: Path, file: Path, target: str, runs: int) -> list[tuple[float
     return [(float(clock), float(processor)) for clock, processor in lines]
 
 
+def slices(trees: list[Path], pairs: int) -> list[float]:
+    """Return the median times of a slice by services of several trees, asked in turns [s]."""
+    content = study(1e12)
+    path = f"output={SPEED}&axes=alpha,beta&" + "&".join(
+        f"{name}={value['start']}" for name, value in content["parameters"].items()
+        if name not in (*TWO, "radius")
+    )  # fmt: skip
+    for name, size in zip(TWO, (250, 400), strict=True):
+        content["parameters"][name]["num"] = size
+    with ExitStack() as stack:
+        servers = [stack.enter_context(served(tree=tree)) for tree in trees]
+        paths = [f"/sweeps/{one.post('/sweeps', content)['id']}/slice?{path}" for one in servers]
+        asked = [
+            partial(Client(one.place).ask, "GET", f"{where}&format=binary")
+            for one, where in zip(servers, paths, strict=True)
+        ]
+        in_turns(COMPILED, *asked)
+        return [statistics.median(times) for times in in_turns(pairs, *asked)]
+
+
 def main() -> None:
     """Print all measurements."""
     asked = options(__doc__, cells=1e9, stored=3e7, runs=3, older=Path)
@@ -146,11 +175,11 @@ def main() -> None:
         }
         stored = study(asked.stored)
         ways |= {"in memory": (stored, ""), "NetCDF": (stored, "a.nc"), "Zarr": (stored, "a.zarr")}
+        trees = [HERE] if asked.older is None else [HERE, asked.older.resolve()]
         for way, (content, result) in ways.items():
             file, cells = folder / "study.json", prepare_content(content).cells
             file.write_text(json.dumps(content))
             target = str(folder / result) if result else ""
-            trees = [HERE] if asked.older is None else [HERE, asked.older.resolve()]
             found: list[list[tuple[float, float]]] = [[] for _ in trees]
             for _ in range(asked.runs):
                 for k, tree in enumerate(trees):
@@ -165,6 +194,9 @@ def main() -> None:
                 clock, processor = peer(way.split()[0], TWO, asked.runs)
                 line += f"; xarray {clock / times[0][0]:.0f} {processor / times[0][1]:.0f} times"
             print(line, flush=True)
+        times = slices(trees, SLICES)
+        ratio = f"; {times[1] * 1e3:.2f}; {times[0] / times[1]:.2f}" if len(times) > 1 else ""
+        print(f"slice over HTTP, ms     {times[0] * 1e3:23.2f}{ratio}")
 
 
 if __name__ == "__main__":

@@ -1,230 +1,188 @@
-"""Many clients at once: errors, times, and whether the service stays alive and keeps its size.
+"""Many clients at once, as an office has them: times, requests a second, memory.
 
-`python -m benchmarks.load` starts a server with a job that runs all the while, and lets 200 clients
-loose on it for two minutes: slices, small sweeps, looks at the job, downloads of 100 MB. A process
-of its own asks /healthz every 20 ms. Bars: no status but 2xx, 429 and 503; /healthz within 50 ms at
-the 99th percentile; no growth of memory from the first minute to the second.
-
-Clients, the probe, the job's workers and the server share the machine's cores: what is measured is
-the service of a saturated machine.
+`python -m benchmarks.load` lets 50 clients loose on a server for ten minutes: slices, bare
+requests, short simulations, looks at jobs, NetCDF files, optima, jobs. `--tree` names other source
+trees whose servers are loaded in the same run, in turn with this one, a minute each, so that all
+meet the same machine. Bars: no status but 2xx, 429 and 503; no growth of memory after the third
+minute.
 """
 
 from __future__ import annotations
 
 import asyncio
-import http.client
-import multiprocessing
-import os
 import random
 import time
-import urllib.parse
 from collections import Counter, defaultdict
-from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
 
 import aiohttp
 
 from benchmarks.options import options
 from benchmarks.serving import Served, percentile, served
 
-CLIENTS, SECONDS = 200, 120.0
-DOWNLOADS = 4  # of the clients; they take what the network stack gives
-EVERY = 0.02  # s between two looks at /healthz
-MAX_HEALTH = 0.050  # s, at the 99th percentile
-MAX_MEMORY = 600_000_000  # bytes of the server, its workers not counted
-MAX_GROWTH = 1.05  # from the first half to the second: what an allocator's leftovers may be
+CLIENTS, SECONDS = 50, 600.0
+PIECE = 60.0  # s that one server is loaded before the next one
+EARLY = 180.0  # s after which memory is first looked at
+MAX_GROWTH = 1.05  # of memory from then to the end
+KINDS = {
+    "slice": 40,
+    "bare": 25,
+    "simulation": 10,
+    "look": 8,
+    "netcdf": 8,
+    "optimum": 6,
+    "job": 3,
+}  # % of the requests
 PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"]}
 ANGLES = {"start": 0, "stop": 90, "num": 100}
 GRID = {"frequency": 50, "amplitude": [0.0005, 0.001], "alpha": 5, "friction": 0.3}
 SLICED = {**PLANE, "parameters": {**GRID, "beta": ANGLES, "gamma": {**ANGLES, "stop": 20}}}
-MOVED = {  # 2 10^7 points, the most that are taken, of bouncing parts: longer than any run here
-    "kind": "simulate",
-    "scene": "rectangle-on-plane",
-    "parameters": {
-        "frequency": 50,
-        "amplitude": {"start": "0.05 mm", "stop": "0.75 mm", "num": 400},
-        "beta": {"start": 5, "stop": 60, "num": 500},
-        "friction": {"start": 0.1, "stop": 0.6, "num": 100},
-        "gamma": 2,
-        "restitution": 0.5,
-    },
-}
+CUT = "output=acceleration_x&axes=gamma,beta&amplitude=0.001"  # 10^4 values
 
 
 @dataclass
 class Taken:
-    """What the clients met."""
+    """Times, failures and memory of the clients of one server."""
 
     seconds: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
-    statuses: Counter[str] = field(default_factory=Counter)
-    bytes: int = 0
+    failures: Counter[str] = field(default_factory=Counter)
+    memory: list[tuple[float, int]] = field(default_factory=list)  # after so many seconds of load
 
 
 class Crowd:
-    """The clients, all in one event loop."""
+    """The clients of one server, all in one event loop."""
 
-    def __init__(self, server: Served, job: str, sweep: str, file: str):
-        self._address, self._job, self._sweep, self._file = server.address, job, sweep, file
-        self.taken = Taken()
+    def __init__(self, server: Served):
+        self.server, self.taken, self.loaded = server, Taken(), 0.0
+        self._sweep = server.post("/sweeps", SLICED)["id"]
+        self._job = server.post_job("sweep", SLICED)
         self._number = 0
 
     async def run(self, clients: int, seconds: float) -> None:
-        """Let clients send requests until the time is over."""
+        """Let clients send requests for some time."""
         until = time.monotonic() + seconds
-        connector = aiohttp.TCPConnector(limit=0)
-        whole = aiohttp.ClientTimeout(total=300)
+        connector, whole = aiohttp.TCPConnector(limit=0), aiohttp.ClientTimeout(total=300)
         async with aiohttp.ClientSession(
-            self._address, connector=connector, timeout=whole
+            self.server.address, connector=connector, timeout=whole
         ) as session:
-            await asyncio.gather(
-                *(self._client(session, number, until) for number in range(clients))
-            )
+            await asyncio.gather(*(self._client(session, n, until) for n in range(clients)))
+        self.loaded += seconds
+        self.taken.memory.append((self.loaded, self.server.memory()))
 
     async def _client(self, session: aiohttp.ClientSession, number: int, until: float) -> None:
         """Send requests of random kinds until the time is over."""
-        chance = random.Random(number)
+        chance = random.Random(f"{number} {self.loaded}")
         while time.monotonic() < until:
-            if number < DOWNLOADS:
-                await self._ask(session, "download", "GET", self._file)
-                continue
-            kind = chance.choices(("slice", "sweep", "poll"), (5, 2, 3))[0]
-            if kind == "slice":
-                form = chance.choice(("json", "binary"))
-                query = f"output=acceleration_x&axes=gamma,beta&amplitude=0.001&format={form}"
-                await self._ask(session, kind, "GET", f"/sweeps/{self._sweep}/slice?{query}")
-            elif kind == "poll":
-                await self._ask(session, kind, "GET", f"/jobs/{self._job}")
-            else:
-                await self._new_sweep(session)
+            kind = chance.choices(tuple(KINDS), tuple(KINDS.values()))[0]
+            await self._ask(session, kind, *self._request(kind, chance))
 
-    async def _new_sweep(self, session: aiohttp.ClientSession) -> None:
-        """Post a new sweep and request a slice of it."""
+    def _request(self, kind: str, chance: random.Random) -> tuple[str, str, Any, dict[str, str]]:
+        """Return method, path, content and headers of a request of a kind."""
         self._number += 1
-        parameters = {**GRID, "frequency": 20 + self._number * 1e-4, "beta": ANGLES}
-        study = {**PLANE, "parameters": parameters}
-        key = await self._ask(session, "post", "POST", "/sweeps", study)
-        if key:
-            query = "output=acceleration_x&axes=beta&amplitude=0.001&format=binary"
-            await self._ask(session, "new slice", "GET", f"/sweeps/{key}/slice?{query}")
+        hertz = 20 + self._number * 1e-4
+        match kind:
+            case "slice":
+                form = chance.choice(("json", "binary"))
+                return "GET", f"/sweeps/{self._sweep}/slice?{CUT}&format={form}", None, {}
+            case "bare":
+                path = chance.choice(("/healthz", "/scenes", "/processes", "/jobs"))
+                return "GET", path, None, {}
+            case "look":
+                return "GET", f"/jobs/{self._job}", None, {}
+            case "netcdf":
+                return "GET", f"/sweeps/{self._sweep}/netcdf", None, {}
+            case "optimum":
+                study = {
+                    "kind": "optimise",
+                    "scene": "rectangle-on-plane",
+                    "outputs": ["flight_fraction"],
+                    "criterion": {"kind": "maximise", "output": "conveying_velocity"},
+                    "variables": {"beta": {"lower": "5 deg", "upper": "60 deg"}},
+                    "parameters": {"frequency": hertz, "amplitude": 0.0005, "friction": 0.4},
+                }
+                return "POST", "/processes/optimise/execution", study, {}
+            case _:
+                amplitudes = (
+                    0.0005 if kind == "simulation" else {"start": 2e-4, "stop": 8e-4, "num": 50}
+                )
+                parameters = {
+                    "frequency": hertz,
+                    "amplitude": amplitudes,
+                    "beta": 25,
+                    "friction": 0.3,
+                }
+                study = {
+                    "kind": "simulate", "scene": "rectangle-on-plane",
+                    "outputs": ["conveying_velocity"], "parameters": parameters,
+                }  # fmt: skip
+                headers = {"Prefer": "respond-async"} if kind == "job" else {}
+                return "POST", "/processes/simulate/execution", study, headers
 
     async def _ask(
-        self, session: aiohttp.ClientSession, kind: str, method: str, path: str, body: object = None
-    ) -> str | None:
-        """Send a request and record its time and status; return the identifier in its reply."""
+        self, session: aiohttp.ClientSession, kind: str, method: str, path: str, content: object,
+        headers: dict[str, str],
+    ) -> None:  # fmt: skip
+        """Send a request, and record its time or its failure."""
         started = time.monotonic()
         try:
-            async with session.request(method, path, json=body) as reply:
-                async for piece in reply.content.iter_chunked(1 << 20):
-                    self.taken.bytes += len(piece)
-                status, location = str(reply.status), reply.headers.get("Location", "")
-                retry = reply.headers.get("Retry-After")
+            async with session.request(method, path, json=content, headers=headers) as reply:
+                await reply.read()
+                status, retry = reply.status, reply.headers.get("Retry-After")
         except (aiohttp.ClientError, TimeoutError) as error:
-            self.taken.statuses[f"{kind}: {type(error).__name__}"] += 1
-            return None
-        if status in ("429", "503") and retry:
-            self.taken.statuses[f"{status} with Retry-After"] += 1
+            self.taken.failures[f"{kind}: {type(error).__name__}"] += 1
+            return
+        if 200 <= status < 300:
+            self.taken.seconds[kind].append(time.monotonic() - started)
+            return
+        self.taken.failures[f"{kind}: {status}"] += 1
+        if status in (429, 503) and retry:
             await asyncio.sleep(float(retry))
-            return None
-        if not status.startswith("2"):
-            self.taken.statuses[f"{kind}: {status}"] += 1
-            return None
-        self.taken.seconds[kind].append(time.monotonic() - started)
-        return location.rpartition("/")[2] or None
 
 
-def probe(address: str, seconds: float, sending: Connection) -> None:
-    """Request /healthz every 20 ms on one connection, and send the times."""
-    netloc = urllib.parse.urlsplit(address).netloc
-    connection = http.client.HTTPConnection(netloc, timeout=60)
-    times = []
-    due = time.monotonic()
-    until = due + seconds
-    while due < until:
-        # One that was late is not made up for: the next is due 20 ms after it.
-        time.sleep(max(0.0, due - time.monotonic()))
-        started = time.monotonic()
-        connection.request("GET", "/healthz")
-        reply = connection.getresponse()
-        reply.read()
-        times.append(time.monotonic() - started if reply.status == 200 else float("inf"))
-        due = max(due, started) + EVERY
-    sending.send(times)
+def measure(clients: int, seconds: float, trees: list[str]) -> list[str]:
+    """Load a server of this tree and of others in turn; print figures, return missed bars."""
+    with ExitStack() as stack:
+        crowds = {
+            tree or "this": Crowd(stack.enter_context(served(Path(tree) if tree else None)))
+            for tree in ("", *trees)
+        }
+        while any(crowd.loaded < seconds for crowd in crowds.values()):
+            for crowd in crowds.values():
+                asyncio.run(crowd.run(clients, min(PIECE, seconds - crowd.loaded)))
+        for name, crowd in crowds.items():
+            _tell(name, crowd.taken, seconds)
+        return _missed(crowds["this"].taken)
 
 
-async def loaded(server: Served, crowd: Crowd, clients: int, seconds: float) -> list[int]:
-    """Run the clients; return the server's memory at start, half time and end."""
-    sizes = [server.memory()]
-    running = asyncio.create_task(crowd.run(clients, seconds))
-    for _ in range(2):
-        # The largest of some looks: one of them may fall between two replies.
-        await asyncio.sleep(seconds / 2 - 5)
-        looks = []
-        for _ in range(50):
-            looks.append(server.memory())
-            await asyncio.sleep(0.1)
-        sizes.append(max(looks))
-    await running
-    return sizes
+def _tell(name: str, taken: Taken, seconds: float) -> None:
+    """Print the figures of a server."""
+    count = sum(map(len, taken.seconds.values()))
+    print(f"{name}: {count / seconds:.1f} requests a second")
+    for kind in KINDS:
+        times = taken.seconds[kind]
+        half, most = (1e3 * percentile(times, share) for share in (0.5, 0.95))
+        print(f"  {kind:10} {len(times):7,}   p50 {half:8.1f} ms   p95 {most:8.1f} ms")
+    sizes = ", ".join(f"{size / 1e6:.0f} MB after {at:.0f} s" for at, size in taken.memory)
+    print(f"  memory {sizes}\n  failures {dict(taken.failures) or 'none'}", flush=True)
 
 
-def measure(
-    clients: int,
-    seconds: float,
-    tell: Callable[[str], object],
-    most_health: float = MAX_HEALTH,
-) -> list[str]:
-    """Load a server and print measurements; return those that miss their bar."""
-    with served() as server:
-        sweep = server.post("/sweeps", SLICED)["id"]
-        file = server.file_of(SLICED, 100_000_000)
-        job = server.post("/processes/simulate/execution", MOVED, Prefer="respond-async")["jobID"]
-        while server.get(f"/jobs/{job}")["cellsDone"] == 0:
-            time.sleep(0.2)
-        receiving, sending = multiprocessing.Pipe(duplex=False)
-        process = multiprocessing.get_context("spawn").Process(
-            target=probe, args=(server.address, seconds, sending)
-        )
-        process.start()
-        crowd = Crowd(server, job, sweep, file)
-        sizes = asyncio.run(loaded(server, crowd, clients, seconds))
-        health = receiving.recv()
-        process.join()
-        state = server.get(f"/jobs/{job}")
-        taken = crowd.taken
-    tell(f"{clients} clients, {seconds:g} s, {os.cpu_count()} cores for all; the job: "
-         f"{state['status']}, {state['cellsDone']:,} cells")  # fmt: skip
-    for kind, times in sorted(taken.seconds.items()):
-        tell(line(kind, times, seconds))
-    most = percentile(health, 0.99)
-    tell(line("/healthz", health, seconds) + f"   max {1e3 * max(health):.1f} ms")
-    tell(f"received {taken.bytes / 1e6 / seconds:,.0f} MB/s")
-    tell("memory " + ", ".join(f"{size / 1e6:.0f} MB" for size in sizes) + " (start, half, end)")
-    tell(f"errors {dict(taken.statuses) or 'none'}")
-    missed = [f"errors: {name}" for name in taken.statuses if "Retry-After" not in name]
-    if most > most_health:
-        missed.append(f"/healthz: {1e3 * most:.0f} ms at the 99th percentile")
-    if max(sizes) > MAX_MEMORY:
-        missed.append(f"memory: {max(sizes) / 1e6:.0f} MB")
-    # In the first seconds threads and caches still get their first memory.
-    if seconds >= 60 and sizes[2] > MAX_GROWTH * sizes[1]:
-        missed.append(f"memory grows from {sizes[1] / 1e6:.0f} to {sizes[2] / 1e6:.0f} MB")
-    if state["status"] != "running":
-        missed.append(f"the job was {state['status']} and no load any more")
+def _missed(taken: Taken) -> list[str]:
+    """Return the bars that a server misses."""
+    missed = [name for name in taken.failures if name[-3:] not in ("429", "503")]
+    early = [size for at, size in taken.memory if at <= EARLY]
+    last = taken.memory[-1]
+    if last[0] > EARLY and last[1] > MAX_GROWTH * early[-1]:
+        missed.append(f"memory grows from {early[-1] / 1e6:.0f} to {last[1] / 1e6:.0f} MB")
     return missed
 
 
-def line(kind: str, times: list[float], seconds: float) -> str:
-    """Return a text with count and times of a kind of request."""
-    half, most = (1e3 * percentile(times, share) for share in (0.5, 0.99))
-    rate = len(times) / seconds
-    return f"{kind:10} {len(times):7,} {rate:7.1f}/s   p50 {half:8.1f} ms   p99 {most:8.1f} ms"
-
-
 def main() -> None:
-    """Print all measurements; exit with 1 if one misses its bar."""
-    wanted = options(__doc__, clients=CLIENTS, seconds=SECONDS)
-    missed = measure(wanted.clients, wanted.seconds, print)
+    """Print all figures; exit with 1 if this tree misses a bar."""
+    wanted = options(__doc__, clients=CLIENTS, seconds=SECONDS, tree=[str])
+    missed = measure(wanted.clients, wanted.seconds, wanted.tree)
     for what in missed:
         print("MISSED", what)
     raise SystemExit(bool(missed))

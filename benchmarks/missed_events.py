@@ -25,7 +25,6 @@ from benchmarks.options import options
 from benchmarks.waves import PLANAR, SPATIAL, harmonics, parts, steps
 from vibrafeed.core.motion import events, waves
 from vibrafeed.core.motion.events import planar_motion, spatial_motion
-from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.constants import MODE, PIECE, TALLY
 from vibrafeed.core.motion.kernels.inputs import NEVER, cell_of
 from vibrafeed.core.motion.kernels.sine_sums import SineSum, passages
@@ -33,7 +32,7 @@ from vibrafeed.core.motion.kernels.track import push
 from vibrafeed.core.motion.kernels.track.push import at_rest, new_work
 from vibrafeed.core.motion.kernels.track.settling import new_history, settle
 from vibrafeed.core.motion.kernels.track.space_cells import FINE
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS, Contacts, Groups, cells_of
 from vibrafeed.core.motion.waves import TURN
 
 ROOT = Path(__file__).parents[1]

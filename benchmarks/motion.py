@@ -17,10 +17,9 @@ import numpy as np
 from benchmarks.motions import planar_motion
 from benchmarks.options import options
 from vibrafeed.core.motion.events import solve_cells
-from vibrafeed.core.motion.groups import Groups as Part
-from vibrafeed.core.motion.groups import cells_of
 from vibrafeed.core.motion.kernels.inputs import NEVER
-from vibrafeed.core.motion.result import COLUMNS
+from vibrafeed.core.motion.method import COLUMNS, cells_of
+from vibrafeed.core.motion.method import Groups as Part
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 Groups = dict[str, np.ndarray]

@@ -6,15 +6,47 @@ the function of that name in `vibrafeed.core.motion` does.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from vibrafeed.core.motion import events, reference
 from vibrafeed.core.motion import tumbling_scene as tumbling
-from vibrafeed.core.motion.groups import Contacts, Groups
-from vibrafeed.core.motion.result import Motion
+from vibrafeed.core.motion.method import BLOCK_ON_FLOOR, Contacts, Groups, Motion, Path
+from vibrafeed.core.motion.reference.laws import UX, UZ, ReferenceLaws, X, Z
+from vibrafeed.core.motion.reference.part import FailedError, Part
 from vibrafeed.core.motion.systems import METHODS
+
+
+def path_by_reference(
+    groups: Groups,
+    contacts: Contacts = BLOCK_ON_FLOOR,
+    *,
+    phases: ArrayLike,
+    position: Sequence[float] = (0.0, 0.0, 0.0),
+    velocity: Sequence[float] = (0.0, 0.0, 0.0),
+    spin: float = 0.0,
+) -> Path:
+    """Return the positions of one part at given phases, accurate to about twelve digits.
+
+    For checks of others; NaN from where the method failed. The given state is that at the first of
+    the `phases`, which ascend [rad]; `spin` is the velocity across, in g/w, that the spin of a
+    cylinder gives its lowest point.
+    """
+    asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
+    if not np.all(np.isfinite(asked)) or np.any(np.diff(asked) < 0.0):
+        raise ValueError("the argument phases has to hold finite numbers in ascending order")
+    state = np.array([*position, *velocity, spin], dtype=np.float64)
+    part = Part(ReferenceLaws(groups, contacts), state)
+    part.phase = float(asked[0])
+    rows = np.full((asked.size, 7), np.nan)
+    with contextlib.suppress(FailedError):  # what was not reached stays NaN
+        part.advance(float(asked[-1]), asked, rows)
+    return Path(asked, rows[:, X : Z + 1], rows[:, UX : UZ + 1])
 
 
 def _sorted(numbers: dict[str, Any]) -> tuple[Groups, Contacts, dict[str, Any]]:
@@ -40,7 +72,7 @@ def _in_space(function: Callable[..., Any], **numbers: Any) -> Any:
 planar_motion = partial(_in_plane, events.planar_motion)
 planar_path = partial(_in_plane, events.planar_path)
 reference_motion = partial(_in_space, reference.reference_motion)
-reference_path = partial(_in_space, reference.reference_path)
+reference_path = partial(_in_space, path_by_reference)
 
 
 def tumbling_motion(**numbers: Any) -> tumbling.Tumble:

@@ -8,6 +8,7 @@ is empty where a page is loaded. A picture counts when new data of it are drawn.
 
 from __future__ import annotations
 
+import gzip
 import statistics
 from typing import Any
 
@@ -28,9 +29,9 @@ window.drawn = [];
     for (let i = 0; i < words.length; i++) sum = (Math.imul(sum, 31) + words[i]) | 0;
     if (sum === before) return;
     before = sum;
-    const size = [image.width, image.height];
     // The frame in which it is seen: two pictures within one are one.
     requestAnimationFrame((at) => {
+      const size = document.querySelector("#host .map").dataset.size.split(" x ").map(Number);
       if (window.drawn.at(-1)?.at !== at) window.drawn.push({ at, size });
     });
   };
@@ -45,7 +46,7 @@ MOTION = (
     "&x=amplitude:0.0001:0.001&y=beta:5:60&p.frequency=50&p.friction={friction}"
 )
 FINISHED = """() =>
-  document.getElementById("progress")?.textContent.startsWith("Shown after") &&
+  document.getElementById("progress")?.textContent === "Shown." &&
   document.getElementById("picture").getAttribute("aria-busy") === "false"
 """
 
@@ -60,6 +61,7 @@ def dragged(page: Any, address: str, *, steps: int = 150) -> tuple[float, tuple[
     page.goto("about:blank")
     page.goto(address + CLOSED)
     finished(page)
+    page.locator("#expert > summary").click()
     slider = page.get_by_label("Drive azimuth, slider")
     slider.scroll_into_view_if_needed()
     box = slider.bounding_box()
@@ -89,6 +91,7 @@ def moved(page: Any, address: str, friction: float) -> tuple[float, tuple[int, i
     page.goto("about:blank")
     page.goto(address + MOTION.format(friction=0.3))
     finished(page)
+    page.locator("#part > summary").click()
     page.evaluate(
         """() => {
           document.getElementById("value-friction").addEventListener("change", () => {
@@ -108,17 +111,24 @@ def moved(page: Any, address: str, friction: float) -> tuple[float, tuple[int, i
 
 
 def loaded(page: Any, address: str) -> tuple[float, float, float]:
-    """Return the times to the first and the complete picture of a cold load, and its kB."""
+    """Return the times to the first and the complete picture of a cold load, and its kB.
+
+    The bytes are those that a proxy sends, which compresses replies.
+    """
     session = page.context.new_cdp_session(page)
     session.send("Network.setCacheDisabled", {"cacheDisabled": True})
     session.send("Network.enable")
-    sizes: list[float] = []
-    session.on("Network.loadingFinished", lambda event: sizes.append(event["encodedDataLength"]))
+    replies: list[str] = []
+    session.on("Network.loadingFinished", lambda event: replies.append(event["requestId"]))
     page.goto(f"{address}/")
     finished(page)
     first, last = page.evaluate("[window.drawn[0].at, window.drawn.at(-1).at]")
+    size = 0
+    for reply in replies:
+        body = session.send("Network.getResponseBody", {"requestId": reply})
+        size += len(gzip.compress(body["body"].encode()))
     session.detach()
-    return first / 1000, last / 1000, sum(sizes) / 1000
+    return first / 1000, last / 1000, size / 1000
 
 
 def opened(context: Any) -> Any:

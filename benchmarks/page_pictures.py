@@ -22,11 +22,6 @@ COLOURS = 256  # of a PNG
 FREQUENT = 160  # of them, taken as they are
 PATIENCE = 60_000  # ms
 DRAWN = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
-TRACK = (
-    "kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
-    "&x=amplitude:0.0001:0.0007&p.frequency=50&p.friction=0.4"
-)
-MAP = f"{TRACK}&y=beta:5:60"
 SNAPSHOT = (
     "kind=sweep&scene=rectangle-on-plane&choice=physical&output=acceleration_x"
     "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4&p.alpha=20"
@@ -64,67 +59,45 @@ class State:
     is_dark: bool = False
 
 
-def _points(page: Any) -> None:
-    """Move the keyboard focus to the map and select a neighbour."""
-    page.locator("#picture .map").focus()
-    page.keyboard.press("ArrowRight")
+def _flies(page: Any) -> None:
+    """Choose the moment in which the part is highest."""
+    page.locator(".panels").focus()
+    for _ in range(40):
+        page.keyboard.press("ArrowRight")
 
 
-def _steps(page: Any) -> None:
-    """Set the part's parameters so that it hops."""
-    on = page.get_by_role("button", name="Step on")
-    on.evaluate("button => { for (let i = 0; i < 45; i++) button.click(); }")
+def _mistakes(page: Any) -> None:
+    """Type what is no number, and a value that is unusual."""
+    page.locator("#part > summary").click()
+    for place, text in (("#value-friction", "0.9"), ("#value-frequency", "fast")):
+        page.locator(place).fill(text)
+        page.locator(place).press("Enter")
 
 
 STATES = (
-    State(
-        "start",
-        "",
-        (("nav button", "How fast"), ("#picture .names", "Hopping"), ("#progress", "Shown")),
-    ),
-    State(
-        "map",
-        f"question=speed&{MAP}",
-        (("#picture .names", "Slip"), ("#picture .said", "mm/s")),
-        does=_points,
-    ),
-    State(
-        "lines",
-        f"question=speed&{TRACK}&y=&p.beta=30&band=friction:0.2",
-        (("#worst", "known within 20"), ("#picture canvas", None)),
-    ),
-    State(
-        "motion",
-        f"question=speed&{MAP}&point=0.0005:30",
-        (("#detail .said", "Mean speed"), ("#detail polyline", None)),
-        does=_steps,
-        seen="#detail",
-        height=1440,
-        is_dark=True,
-    ),
+    State("start", "", (("#answer .answer", "49.9"), ("#picture .names", "hops"))),
+    State("dark", "", (("#answer .answer", "49.9"),), does=_flies, is_dark=True),
     State(
         "best",
-        f"question=drive&{MAP}&best=maximise&found=1",
-        (("#optimum", "Next to it"), ("#picture .mark", "best")),
-        height=1820,
+        "question=drive",
+        (("#answer .unit", "times as fast"), ("#chip-still", "20.6"), ("#best-told", "remain")),
+    ),
+    State("resting", "question=resting", (("#answer .answer", "65"), ("#aspects", "On end"))),
+    State(
+        "springs", "question=springs", (("#answer .answer", "1.04"), ("#resonance path.line", None))
     ),
     State(
         "trade-off",
         f"question=drive&{SNAPSHOT}&best=pareto&against=acceleration_y&points=9&vary=frequency:30:80&found=1",
-        (("#beside .front .marker", None), ("#optimum .parallel .design", None)),
-        seen="#beside",
-        height=1730,
+        (("#front .marker", None),),
         is_dark=True,
     ),
-    State(
-        "thesis",
-        "question=thesis",
-        (("#figures", "Verdict"), ("#note", "real part")),
-    ),
+    State("thesis", "question=thesis", (("#figures", "Verdict"), ("#values", "Throw number"))),
     State(
         "mistake",
-        f"question=speed&{MAP}&p.friction=-1".replace("&p.friction=0.4", ""),
-        (("#stale", "Not drawn"), ("#wrong-friction", "must be at least 0")),
+        "",
+        (("#answer .unusual", "above"), (".slot [aria-invalid]", None)),
+        does=_mistakes,
     ),
 )
 
@@ -144,8 +117,8 @@ def reach(page: Any, address: str, state: State) -> None:
     page.emulate_media(color_scheme="dark" if state.is_dark else "light", reduced_motion="reduce")
     page.goto("about:blank")
     page.goto(f"{address}/#{state.link}")
-    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=PATIENCE)
-    expect(page.locator("#detail[aria-busy=true]")).to_have_count(0, timeout=PATIENCE)
+    for place in ("#picture", "#answer"):
+        expect(page.locator(place)).to_have_attribute("aria-busy", "false", timeout=PATIENCE)
     if state.does:
         state.does(page)
     for selector, words in state.reached:

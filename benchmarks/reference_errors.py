@@ -12,7 +12,7 @@ from benchmarks.honest_estimates import REPEATS, by_events, random_groups
 from benchmarks.motions import reference_motion
 from benchmarks.options import options
 from benchmarks.timing import timed
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS
 
 PERIODS = (100, 12, 3, 1)
 """Most periods followed: of all motions, and of a quarter of them."""

@@ -17,10 +17,9 @@ import numpy as np
 
 from benchmarks.options import options
 from benchmarks.timing import timed
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS
 from vibrafeed.core.motion.systems import SYSTEMS
-from vibrafeed.core.plan.equations import run_equations
-from vibrafeed.core.plan.plan import plan_scene
+from vibrafeed.core.plan.plan import plan_scene, run_equations
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY
 
 Array = np.ndarray

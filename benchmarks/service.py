@@ -36,7 +36,7 @@ from vibrafeed.app.web.calculations import encode_binary, encode_json
 from vibrafeed.core.dataset.document import to_document
 from vibrafeed.core.intake import prepare_content, read_json
 from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.sweep.slice import cut
+from vibrafeed.core.sweep.slice import compute_slice, prepare_cut
 
 FREE = {"alpha": 250, "beta": 400}  # 10^5 values
 MILLION = {"alpha": 1000, "beta": 1000}
@@ -196,7 +196,7 @@ def _slice_of(server: Served, study: dict[str, Any]) -> tuple[Callable[[], dict[
     sweep = prepare_content(study)
     wishes = {"output": "acceleration_x", "axes": list(FREE), "at": {"frequency": "60"}}
     path = f"/sweeps/{key}/slice?output=acceleration_x&axes={','.join(FREE)}&frequency=60"
-    return lambda: cut(sweep, **wishes, most=10**6), path  # type: ignore[arg-type]
+    return lambda: compute_slice(prepare_cut(sweep, **wishes, most=10**6)), path  # type: ignore[arg-type]
 
 
 def download(server: Served, pairs: int) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import socket
 import subprocess
 import sys
@@ -15,7 +14,6 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from functools import partial
 from http.client import HTTPConnection, HTTPMessage
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -111,23 +109,36 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
+SERVE = """
+try:
+    from vibrafeed.app.cli import main
+except ModuleNotFoundError:  # of an older tree
+    from app.cli import main
+main()
+"""
+
+
 @contextmanager
-def served(open_files: int | None = None, **settings: object) -> Iterator[Served]:
-    """Yield a running server with some settings, and stop it afterwards."""
+def served(tree: Path | None = None, **settings: object) -> Iterator[Served]:
+    """Yield a running server with some settings, and stop it afterwards.
+
+    `tree` is another source tree whose server it is; None is this one.
+    """
     port = free_port()
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "data"
         given = {"data_directory": data, **settings}
         environment = {f"VIBRAFEED_{name.upper()}": str(value) for name, value in given.items()}
-        command = [sys.executable, "-c", "from vibrafeed.app.cli import main; main()", "serve"]
+        if tree is not None:
+            environment["PYTHONPATH"] = str(tree)
+        command = [sys.executable, "-c", SERVE, "serve"]
         path = Path(folder) / "log"
-        limit = None if open_files is None else partial(_limit_files, open_files)
         with path.open("wb") as log:
             process = subprocess.Popen(
                 [*command, "--port", str(port)],
+                cwd=tree,
                 stderr=log,
                 env={**os.environ, **environment},
-                preexec_fn=limit,
             )
             try:
                 found = Served(f"http://127.0.0.1:{port}", process.pid, data, path)
@@ -136,11 +147,6 @@ def served(open_files: int | None = None, **settings: object) -> Iterator[Served
             finally:
                 process.terminate()
                 process.wait(60)
-
-
-def _limit_files(most: int) -> None:
-    """Limit the number of open files of this process."""
-    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
 def _wait_for(server: Served) -> None:

@@ -13,9 +13,23 @@ import numpy as np
 
 from benchmarks.options import options
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.sensitivity.indices import sobol_indices
+from vibrafeed.core.plan.statistics import REPLICATES
+from vibrafeed.core.sensitivity.indices import Indices, design, indices_of
 
 SAMPLES = (256, 1024, 4096)
+
+
+def sobol_indices(
+    function: Callable[[Array], Array], inputs: int, samples: int, seed: int = 0
+) -> Indices:
+    """Return the Sobol indices of a function of inputs uniform between 0 and 1.
+
+    The function takes points (inputs, n), and returns values (n,) or (m, n) of m functions. Of
+    `samples`, a power of two, it is evaluated at (inputs + 2) times as many.
+    """
+    at = design(inputs, samples // REPLICATES, seed)
+    values = np.asarray(function(at.reshape(inputs, -1)), dtype=np.float64)
+    return indices_of(values.reshape(*values.shape[:-1], *at.shape[1:]))
 
 
 @dataclass(frozen=True)

@@ -27,8 +27,7 @@ from benchmarks.options import options
 from benchmarks.timing import least
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.motion.waves import ALONG, NORMAL, speed
-from vibrafeed.core.plan.equations import run_equations
-from vibrafeed.core.plan.plan import plan_scene
+from vibrafeed.core.plan.plan import plan_scene, run_equations
 from vibrafeed.core.quantities import QUANTITIES
 
 GENERATED = Path(__file__).parents[1] / "docs" / "generated"

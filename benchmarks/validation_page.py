@@ -16,8 +16,8 @@ import numpy as np
 
 from benchmarks.known_answers import FILES, Known, answer, fault, found, known_answers
 from benchmarks.validation_engines import ASKED, NAMES, PICTURE, RESULTS
-from vibrafeed.core.dataset.markdown import markdown_table
 from vibrafeed.core.dataset.table import Table
+from vibrafeed.core.report import markdown_table
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "validation.md"

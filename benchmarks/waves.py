@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.motion import waves
-from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.method import Groups
 from vibrafeed.core.motion.waves import ENDS, TURN, Wave
 
 PLANAR = {"tolerance": 1e-12, "max_periods": 1000.0}

@@ -1,14 +1,12 @@
 """The catalogue: what every scene takes and gives, for programs, and as a card for people."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
+from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from vibrafeed.core.plan.plan import find_scene, scene_parameters
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.drives import DRIVE
@@ -57,7 +55,8 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
     line = next(line for line in describe_all() if line["name"] == name)
     if method is not None:
         scene, chosen = find_scene(name, method, SYSTEMS)
-        line |= {"title": scene.title}
+        has_path = methods_of(name)[chosen].course is not None
+        line |= {"title": scene.title, "trajectory": has_path}
         if name in CONTACTS:
             line["other_drives"] = [
                 {

@@ -9,8 +9,6 @@ of the two a function is, the caller decides; it may be both.
 `vibrafeed.core.kernel_cache` says where machine code is kept.
 """
 
-from __future__ import annotations
-
 import gc
 import inspect
 import math
@@ -240,16 +238,17 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
         typing, target = self.targetdescr.typing_context, self.targetdescr.target_context
         library: Any = self._library(target.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
-        collects = gc.isenabled()
-        gc.disable()  # it takes a fifth of compile time
+        # Collecting takes a fifth of compile time. dask keeps for good what gc.isenabled() says
+        # when a thread imports it, so that gc.disable() would not do.
+        thresholds = gc.get_threshold()
+        gc.set_threshold(0)
         try:
             result: Any = compile_extra(  # type: ignore[no-untyped-call]
                 typing, target, self.py_func, args, return_type, flags, self.locals, library,
                 self.pipeline_class,
             )  # fmt: skip
         finally:
-            if collects:
-                gc.enable()
+            gc.set_threshold(*thresholds)
         if self._library is _LinkedPart:
             # A name by which callers find it, where numba has an address.
             result = result._replace(entry_point=object())

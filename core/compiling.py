@@ -1,7 +1,5 @@
 """The time that this process has spent compiling; loads no compiler."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

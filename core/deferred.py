@@ -1,7 +1,5 @@
 """Names of a package whose modules are loaded when the names are first used."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module

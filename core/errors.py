@@ -8,8 +8,6 @@ VibrafeedError
 └── SceneError        a scene contradicts itself; a mistake of ours, found when it is imported
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -45,7 +43,7 @@ class Problem:
     def __str__(self) -> str:
         return f"{self.place}: {self.message}. {self.fix}{'' if self.fix.endswith('?') else '.'}"
 
-    def below(self, parent: str) -> Problem:
+    def below(self, parent: str) -> "Problem":
         """Return the problem with its path below that of a parent section."""
         return replace(self, place=f"{parent}.{self.place}")
 
@@ -71,6 +69,18 @@ class StudyError(VibrafeedError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.problems,)  # it may come from another process
+
+
+def refused(path: str, message: str, fix: str, about: str = "") -> StudyError:
+    """Return the error of a study with one problem."""
+    return StudyError([Problem(path, message, fix, about)])
+
+
+def raise_any(problems: Iterable[Problem]) -> None:
+    """Raise a `StudyError` with problems, if there are any."""
+    error = StudyError(problems)
+    if error.problems:
+        raise error
 
 
 class LimitError(VibrafeedError):

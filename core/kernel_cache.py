@@ -6,8 +6,6 @@ files and of all that they import, and of versions and settings of the compiler;
 files play no part. numba itself keeps its entries apart by argument types and by processor.
 """
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import hashlib
@@ -174,7 +172,7 @@ class _CacheFolder(caching._CacheLocator):
         self._package, self._module, self._path = package, function.__module__, path
 
     @classmethod
-    def from_function(cls, function: Callable[..., Any], file: str) -> _CacheFolder | None:
+    def from_function(cls, function: Callable[..., Any], file: str) -> "_CacheFolder | None":
         package = LOOPS
         if not file.startswith(LOOPS):
             path = Path(file).resolve()

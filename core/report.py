@@ -7,13 +7,11 @@ no code with it. Cells are drawn at random from the grid of the study; equal stu
 cells.
 """
 
-from __future__ import annotations
-
 import os
 import platform
 import statistics
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -24,16 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed import core
-from vibrafeed.core.dataset.markdown import markdown_table
 from vibrafeed.core.dataset.table import Table, TableVariable
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import refused
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.blocks import BLOCK_CELLS
-from vibrafeed.core.plan.equations import run_equations
+from vibrafeed.core.plan.evaluate import BLOCK_CELLS
 from vibrafeed.core.plan.grid import random_positions
 from vibrafeed.core.plan.labels import global_attributes
 from vibrafeed.core.plan.pieces import Computed
-from vibrafeed.core.plan.plan import Plan, plan_scene, scene_parameters
+from vibrafeed.core.plan.plan import Plan, plan_scene, run_equations, scene_parameters
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.sweep.verify import EXTENDED, outputs_in
@@ -87,7 +83,7 @@ class Report:
         return Computed(arrays, {**self.notes, **names})
 
     @classmethod
-    def of(cls, computed: Computed) -> Report:
+    def of(cls, computed: Computed) -> "Report":
         """Return the report that `computed` was made of."""
         notes = dict(computed.notes)
         curves, settings = (tuple(notes.pop(name).split()) for name in ("curves", "settings"))
@@ -175,14 +171,18 @@ def check(prepared: Prepared) -> None:
     """Raise `StudyError` if there is nothing to compare a study with."""
     kind, scene = prepared.study.kind, prepared.plan.scene
     if kind not in ("sweep", "simulate"):
-        message = f"the error of a study of kind '{kind}' is not measured over its run time"
-        fix = "Measure a study of kind sweep or simulate; `verify` checks the results of others"
-        raise StudyError([Problem("kind", message, fix)])
+        raise refused(
+            "kind",
+            f"the error of a study of kind '{kind}' is not measured over its run time",
+            "Measure a study of kind sweep or simulate; `verify` checks the results of others",
+        )
     is_point = "conveying_velocity" in scene.outputs(scene.default_variant)
     if kind == "simulate" and not (is_point and WITNESS in scene.variants):
-        message = f"no method of {scene.name} is a witness of its mean velocity"
-        fix = "Measure one part on a plane or a track; `verify` compares others"
-        raise StudyError([Problem("scene", message, fix)])
+        raise refused(
+            "scene",
+            f"no method of {scene.name} is a witness of its mean velocity",
+            "Measure one part on a plane or a track; `verify` compares others",
+        )
 
 
 def _closed_forms(prepared: Prepared, watch: Watch) -> Report:
@@ -391,3 +391,13 @@ def _flags(name: str, words: Sequence[str]) -> TableVariable:
 
 def _number(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}" if np.isfinite(value) else "-"
+
+
+def markdown_table(columns: Sequence[str], rows: Iterable[Iterable[str]]) -> list[str]:
+    """Return the lines of a Markdown table: headings, a rule, and the cells of each row.
+
+    `columns` are the headings; `|` within cells is escaped, and line breaks become spaces.
+    """
+    cells = [[" ".join(cell.split()).replace("|", "\\|") for cell in row] for row in rows]
+    lines = [columns, ["---"] * len(columns), *cells]
+    return [f"| {' | '.join(line)} |" for line in lines]

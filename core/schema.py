@@ -1,7 +1,5 @@
 """The JSON Schema of studies, for editors and for programs that write them."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -10,7 +8,7 @@ from typing import Any, Final
 from pydantic.json_schema import models_json_schema
 
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.plan.pieces import Kind
 from vibrafeed.core.quantities import QUANTITIES
 
 DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"

@@ -1,7 +1,5 @@
 """Suggestions for an unknown name: the name in use here, or the one that was mistyped."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType

@@ -4,12 +4,11 @@ Windows opens no folder, flushes no file that is open for reading only, and neit
 removes a file that any program holds open.
 """
 
-from __future__ import annotations
-
 import io
 import os
 import re
 import sys
+import threading
 import time
 from importlib.metadata import PackageNotFoundError, requires
 from pathlib import Path
@@ -40,6 +39,23 @@ def lower_priority(by: int) -> None:
     process = psutil.Process()
     below_normal = getattr(psutil, "BELOW_NORMAL_PRIORITY_CLASS", None)
     process.nice(min(19, process.nice() + by) if below_normal is None else below_normal)
+
+
+def end_with_parent() -> None:
+    """End this process when the one that started it has ended, also by a signal.
+
+    Else it would compute to the end and then wait for work for ever.
+    """
+    import multiprocessing  # for processes that were started, only
+
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def sync(path: Path) -> None:

@@ -6,13 +6,10 @@ Each package of kernels has studies that need all of it, first what the first st
 caches.
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import os
 import sys
-import threading
 import time
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
@@ -21,6 +18,7 @@ from typing import Any
 
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import KINDS, tabulate
+from vibrafeed.core.system import end_with_parent
 
 STUDIES: dict[str, tuple[Mapping[str, Any], ...]] = {
     package: studies for kind in KINDS.values() for package, studies in kind.compiles.items()
@@ -50,21 +48,6 @@ def compile_kernels(processes: int) -> Path | None:
             assert mark is not None
             mark.touch()
     return Path(kernel_cache.root())
-
-
-def end_with_parent() -> None:
-    """End this process when the one that started it has ended, also by a signal.
-
-    Else it would compile to the end and then wait for work for ever.
-    """
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-
-    def watch() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 def carry_out(package: str, part: slice = slice(None)) -> None:

@@ -4,8 +4,6 @@ Python asks its watch. Compiled code cannot: it looks at a flag, which one threa
 the lookout, raises for whatever runs and is to stop. That costs a cell nothing, however short.
 """
 
-from __future__ import annotations
-
 import contextlib
 import threading
 import time
@@ -68,7 +66,7 @@ class Watch:
         if self.progress is not None:
             self.progress(share)
 
-    def part(self, share: float) -> Watch:
+    def part(self, share: float) -> "Watch":
         """Return a watch over a share of the work, 0 to 1, which scales its reported progress."""
         return replace(self, progress=lambda done: self.advance(done * share))
 

@@ -13,7 +13,6 @@ INTERNAL = ("numba.core", "numba.misc", "llvmlite", "h5py.h5")
 BEHIND = {
     "core/kernel_cache.py": "tests/unit_core/test_kernel_cache.py",
     "core/compiled.py": "tests/unit_core/test_linking.py",
-    "core/dataset/workbook.py": "tests/unit_core/dataset/test_formats.py",
 }
 """The files that reach into libraries, and their tests."""
 

@@ -4,8 +4,6 @@ A command's file is loaded when the command runs: `vibrafeed scenes` loads no Ne
 `vibrafeed --help` none of them.
 """
 
-from __future__ import annotations
-
 import gc
 import os
 from importlib import import_module
@@ -37,6 +35,7 @@ COMMANDS: Final = MappingProxyType(
         "materials": "Print published friction, restitution and leaf springs, with their sources.",
         "serve": "Serve the HTTP interface.",
         "key": "Keys for the HTTP interface.",
+        "mcp": "Offer scenes, checks, runs and jobs to an agent (Model Context Protocol).",
     }
 )
 """Each command and the line that lists it; the file of its name has the function of its name."""
@@ -49,7 +48,7 @@ GONE: Final = MappingProxyType(
         "leaves": "vibrafeed materials --leaves prints them",
         "lookup": "vibrafeed run computes the speed; vibrafeed new writes the study",
         "schema": "vibrafeed scenes --schema prints it",
-        "scrub": "The service looks through its results by itself",
+        "scrub": "The service compares each result with its digest before it serves it",
         "validate": "The known answers are TOML files in tests/known_answers",
         "warm": "python -m vibrafeed.core.warm compiles everything",
     }
@@ -59,7 +58,7 @@ GONE: Final = MappingProxyType(
 GONE_OPTIONS: Final = ("--share", "--shares")
 """Options of `run` in former versions: a cluster (`--scheduler`) does the same."""
 
-SERVICE: Final = ("serve", "key")
+SERVICE: Final = ("serve", "key", "mcp")
 """The commands that need the extra `serve`."""
 
 

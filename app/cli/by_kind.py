@@ -1,7 +1,5 @@
 """The results of calibrations, sensitivities and optimisations without a solution, for a person."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -16,7 +14,7 @@ from vibrafeed.core.intake import parse_json
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
 
 if TYPE_CHECKING:
-    from vibrafeed.core.dataset import Table
+    from vibrafeed.core.dataset.table import Table
     from vibrafeed.core.mechanics.arrays import Array
     from vibrafeed.core.study.shown import Shown, ShownUnits
 
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
 MAX_ROWS = 20  # runs that are printed; the file has all
 
 
-def show_findings(result: Table, units: ShownUnits) -> None:
+def show_findings(result: "Table", units: "ShownUnits") -> None:
     """Print a calibration: unknowns with intervals, measured runs, and findings in sentences.
 
     `result` is the table of the calibration, `units` those for printing.
@@ -48,7 +46,7 @@ def show_findings(result: Table, units: ShownUnits) -> None:
         tell(f"  {sentence}")
 
 
-def _read_values(result: Table, names: list[str], units: ShownUnits) -> tuple[str, list[str]]:
+def _read_values(result: "Table", names: list[str], units: "ShownUnits") -> tuple[str, list[str]]:
     """Return a readable unit, and the texts of some single values of a result in it.
 
     `names` are variables without dimensions that have a common unit, `units` the units for
@@ -60,7 +58,7 @@ def _read_values(result: Table, names: list[str], units: ShownUnits) -> tuple[st
     return shown.unit or "-", [format_number(value * shown.factor, DIGITS) for value in values]
 
 
-def _show_runs(result: Table, units: ShownUnits) -> None:
+def _show_runs(result: "Table", units: "ShownUnits") -> None:
     """Print measured and predicted value of each run, with the prediction's 95 % interval.
 
     `result` is the table of a calibration, `units` those for printing; at most 20 runs are printed.
@@ -100,14 +98,14 @@ def _show_runs(result: Table, units: ShownUnits) -> None:
 # --- optimisations without a solution
 
 
-def format_value(name: str, value: float, units: ShownUnits) -> str:
+def format_value(name: str, value: float, units: "ShownUnits") -> str:
     """Return a value with its unit as readable text."""
     shown = units.of(QUANTITIES[name].unit, abs(value))
     gap = "" if shown.unit in ("", "°") else " "
     return f"{format_number(shown.factor * value)}{gap}{shown.unit}"
 
 
-def nearest(result: Table, units: ShownUnits) -> list[str]:
+def nearest(result: "Table", units: "ShownUnits") -> list[str]:
     """Return lines on an optimisation without solution: the nearest designs, and possible changes.
 
     Each says by how much a limit is missed while all others are kept, or which change would let all
@@ -141,12 +139,12 @@ def nearest(result: Table, units: ShownUnits) -> list[str]:
     return [*lines, f"The search for the nearest designs took {spent:.1f} s."]
 
 
-def list_choice(choice: Mapping[str, float], units: ShownUnits) -> str:
+def list_choice(choice: Mapping[str, float], units: "ShownUnits") -> str:
     """Return `name value unit` of each chosen variable, separated by commas."""
     return ", ".join(f"{name} {format_value(name, value, units)}" for name, value in choice.items())
 
 
-def is_infeasible(result: Table) -> bool:
+def is_infeasible(result: "Table") -> bool:
     """True if a table is the result of an optimisation in which no design meets all limits.
 
     `result` is the table of any study; its flag variable `optimum_status` says for every design if
@@ -175,7 +173,7 @@ BESIDE = ("_error", "_distribution")
 """Variables that a short table leaves out."""
 
 
-def is_uncertain(result: Table) -> bool:
+def is_uncertain(result: "Table") -> bool:
     """True if a result comes from a sensitivity study, with uncertain parameters."""
     return "uncertain_parameters" in result.attributes
 
@@ -185,7 +183,7 @@ def is_short(name: str) -> bool:
     return not name.endswith(BESIDE)
 
 
-def show_design(result: Table, units: ShownUnits) -> None:
+def show_design(result: "Table", units: "ShownUnits") -> None:
     """Print a design with uncertain parameters: probabilities, and each output by parameter.
 
     `result` is a sensitivity study with a single cell, `units` those for printing.
@@ -200,7 +198,7 @@ def show_design(result: Table, units: ShownUnits) -> None:
             _show_output(result, name.removesuffix("_left_out"), units)
 
 
-def _demand_in_words(attributes: Mapping[str, Any], units: ShownUnits) -> str:
+def _demand_in_words(attributes: Mapping[str, Any], units: "ShownUnits") -> str:
     """Return the label of a probability, such as `probability of x at most 2 mm`.
 
     A sensitivity study computes it. `attributes` are those of its variable: a regime, or an output
@@ -216,7 +214,7 @@ def _demand_in_words(attributes: Mapping[str, Any], units: ShownUnits) -> str:
     return f"probability of {output} {' and '.join(told)}"
 
 
-def _show_output(result: Table, output: str, units: ShownUnits) -> None:
+def _show_output(result: "Table", output: str, units: "ShownUnits") -> None:
     """Print mean, quantiles, Sobol indices and the tolerance budget of one output of a design.
 
     The budget says which share of the variance comes from which uncertain parameter. `result` is a
@@ -283,7 +281,7 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
         tell(f"  {rows[most][0]} matters most: a narrower tolerance of it narrows {output} most.")
 
 
-def _with_error(value: Array, shown: Shown, error: Array | None = None) -> str:
+def _with_error(value: "Array", shown: "Shown", error: "Array | None" = None) -> str:
     """Return a value in the shown unit as text, with its error if given."""
     text = format_number(shown.factor * float(value))
     return text if error is None else f"{text} ± {format_number(shown.factor * float(error), 2)}"

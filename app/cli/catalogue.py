@@ -1,7 +1,5 @@
 """Scenes on the command line: parameters, outputs, regimes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

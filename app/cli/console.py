@@ -3,8 +3,6 @@
 Tables are plain where something reads them, and in blocks where a terminal is narrow.
 """
 
-from __future__ import annotations
-
 import functools
 import json
 import math
@@ -35,7 +33,7 @@ _muted = [False]
 
 
 @functools.cache
-def stdout() -> Console:
+def stdout() -> "Console":
     """Return rich's console of standard output, for a terminal; a pipe needs no rich."""
     from rich.console import Console
 
@@ -43,7 +41,7 @@ def stdout() -> Console:
 
 
 @functools.cache
-def stderr() -> Console:
+def stderr() -> "Console":
     """Return rich's console of the error stream."""
     from rich.console import Console
 

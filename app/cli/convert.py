@@ -1,7 +1,5 @@
 """`vibrafeed convert`: a study in another form."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -79,7 +77,7 @@ def convert(
     typer.echo(f"wrote {output}")
 
 
-def _read_valid_study(file: Path) -> Mapping[str, Any]:
+def _read_valid_study(file: Path) -> "Mapping[str, Any]":
     """Return the content of a valid study file as it was typed; else print every error and exit."""
     from vibrafeed.core.intake import prepare_content
 

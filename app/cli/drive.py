@@ -1,7 +1,5 @@
 """`vibrafeed drive`: the drive that a recording of an accelerometer shows."""
 
-from __future__ import annotations
-
 import functools
 import re
 from dataclasses import fields, replace
@@ -115,7 +113,7 @@ def drive(
     """
     from vibrafeed.app.cli.drives import document_of, show_fit, toml_of
     from vibrafeed.app.cli.units import units_asked
-    from vibrafeed.core.intake.recorded import channel_questions
+    from vibrafeed.core.intake.section import channel_questions
     from vibrafeed.core.measured import Recording
     from vibrafeed.core.study.unusual import questions_of_drive
 
@@ -154,7 +152,7 @@ def drive(
         raise typer.Exit(FAILED) from None
 
 
-def _save_picture(fit: Fit, plot: Path) -> None:
+def _save_picture(fit: "Fit", plot: Path) -> None:
     """Draw a fitted drive into a file."""
     from vibrafeed.core.plots.drawing import save
     from vibrafeed.core.plots.measured import draw_fit
@@ -167,7 +165,7 @@ def _split_list(text: str | None) -> tuple[str, ...] | None:
     return None if text is None else tuple(part.strip() for part in text.split(","))
 
 
-def _fit_recording(recording: Path, asked: Recording, plot: Path | None) -> Fit:
+def _fit_recording(recording: Path, asked: "Recording", plot: Path | None) -> "Fit":
     """Return the drive fitted to a recording; print every problem and exit if there is one.
 
     `asked` holds the columns and options of the recording; `plot` is the file of the picture, if

@@ -1,7 +1,5 @@
 """A measured drive on the command line: a table, and the parameters of a study."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

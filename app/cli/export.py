@@ -1,16 +1,14 @@
 """`vibrafeed export`: a result in another format."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.options import FAILED, INVALID_INPUT
+from vibrafeed.app.cli.options import FAILED, INVALID_INPUT, CsvStyle
 from vibrafeed.app.cli.studies import refuse, refuse_existing
 from vibrafeed.core.errors import LimitError, Problem, VibrafeedError
 
@@ -43,6 +41,11 @@ def export(
             "result."
         ),
     ] = None,
+    csv_style: CsvStyle = "plain",
+    zarr_version: Annotated[
+        Literal["2", "3"],
+        typer.Option(help="Version of a Zarr group; some programs read only version 2."),
+    ] = "3",
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Convert a result to another format, given by the suffix of the output.
@@ -50,14 +53,22 @@ def export(
     Nothing is computed again. Exit code 2 means that the file is no result, or that the format
     cannot hold it, 1 that it could not be read or written.
     """
-    from vibrafeed.app.cli.targets import check_suffix, make_folder_of, write_or_exit
+    from vibrafeed.app.cli.targets import (
+        check_suffix,
+        make_folder_of,
+        refuse_choices,
+        write_or_exit,
+    )
     from vibrafeed.app.cli.units import units_asked
+    from vibrafeed.core.dataset.files import Storage
     from vibrafeed.core.dataset.formats import read_result, suffix_of
     from vibrafeed.core.dataset.shown import in_shown_units
     from vibrafeed.core.dataset.table import Table
     from vibrafeed.core.system import memory
 
     check_suffix(output)
+    storage = Storage(csv_style=csv_style, zarr_version=3 if zarr_version == "3" else 2)
+    refuse_choices(storage, [output])
     refuse_existing(file, output, force=force)
     shown = None if units is None else units_asked(units)
     if shown is not None and suffix_of(output) not in FOR_PEOPLE:
@@ -82,5 +93,5 @@ def export(
     attributes = {name: value for name, value in table.attributes.items() if name != "history"}
     stamp = datetime.now(UTC).isoformat(timespec="seconds")
     history = f"{stamp} vibrafeed export {Path(file).name}\n{before}".rstrip()
-    write_or_exit(Path(file), replace(table, attributes=attributes), output, history)
+    write_or_exit(Path(file), replace(table, attributes=attributes), output, history, storage)
     console.say(f"{file} -> {output}")

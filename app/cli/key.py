@@ -3,8 +3,6 @@
 They work on the ledger that `vibrafeed serve` has with the same settings.
 """
 
-from __future__ import annotations
-
 import os
 import sqlite3
 import time
@@ -182,26 +180,8 @@ def tell_audit(
             typer.echo(f"{when}  {entry.name or '-':<24}{entry.action:<14}{entry.object}")
 
 
-@key.command("hash")
-def print_hash() -> None:
-    """Make an admin key for the setting VIBRAFEED_API_KEY_HASHES and print it.
-
-    Nothing is stored.
-    """
-    from vibrafeed.app.jobs.keys import new_key
-
-    made, digest = new_key()
-    typer.echo(f"key   {made}")
-    typer.echo(f"hash  {digest}")
-    typer.echo(
-        f"Set VIBRAFEED_API_KEY_HASHES={digest} for the service; "
-        "give several as a JSON list or comma-separated."
-    )
-    typer.echo("Clients send `Authorization: Bearer KEY`. The key is kept nowhere: note it now.")
-
-
 @contextmanager
-def _database() -> Iterator[Database]:
+def _database() -> "Iterator[Database]":
     """Yield the database of API keys, that of the ledger; if it cannot be used, print why and exit.
 
     It is closed at the end. Errors of the database that the block raises are treated alike.

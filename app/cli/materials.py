@@ -1,7 +1,5 @@
 """`vibrafeed materials`: published friction, restitution and leaf springs."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """`vibrafeed new`: a starter study, from a few answers."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 from pathlib import Path

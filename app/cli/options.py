@@ -1,8 +1,6 @@
 """Options that several commands have, and exit codes; imports nothing that takes long."""
 
-from __future__ import annotations
-
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 from typer.core import TyperGroup
@@ -22,6 +20,13 @@ Units = Annotated[
     typer.Option(
         help="Units of the printed values: trade (mm, mm/s, g; the default), si, or a "
         "list such as 'm/min, mm'. Result files and --json are not affected.",
+    ),
+]
+CsvStyle = Annotated[
+    Literal["plain", "excel"],
+    typer.Option(
+        help="Style of CSV files: plain, or excel for Excel in Europe (semicolons, decimal commas, "
+        "a byte order mark)."
     ),
 ]
 

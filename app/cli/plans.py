@@ -1,7 +1,5 @@
 """The plan of a study, printed before it runs: for a person, and as a document."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +15,7 @@ if TYPE_CHECKING:
     from vibrafeed.core.plan.prepared import Prepared
 
 
-def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
+def plan_facts(path: Path, prepared: "Prepared") -> dict[str, Any]:
     """Return the plan of a study as a JSON document: cells, bytes, dimensions, equations.
 
     It says what `vibrafeed run` would compute, without computing it. `path` is the study's file;
@@ -49,7 +47,7 @@ def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
     return facts | prepared.facts()
 
 
-def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
+def show_plan(path: Path, prepared: "Prepared", asked: str | None) -> None:
     """Print the plan of a study: cells, bytes, dimensions kept, equations to compute.
 
     `path` is the study's file; `asked` is the text of `--units`, if given.

@@ -1,7 +1,5 @@
 """`vibrafeed plot`: pictures of a NetCDF file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

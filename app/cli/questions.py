@@ -1,7 +1,5 @@
 """The questions of `vibrafeed new`, and the checks of their answers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """`vibrafeed report`: error against run time of studies, as a page, pictures and datasets."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -73,7 +71,7 @@ def report(
 
 
 def _write(
-    studies: Mapping[Path, Prepared],
+    studies: "Mapping[Path, Prepared]",
     targets: Mapping[Path, Path],
     seconds: float,
     stopped: Callable[[], bool],
@@ -95,7 +93,7 @@ def _write(
         with console.progress(path.name) as advance:
             watch = Watch(advance, stopped, time.monotonic() + seconds)
             measured = measure(prepared, watch)
-        write_netcdf(measured.table(prepared), target, history=f"vibrafeed report {path}")
+        write_netcdf(measured.table(prepared).with_history(f"vibrafeed report {path}"), target)
         picture = draw(target, target.with_suffix(".png"), console.fail)
         written += [target, *([picture] if picture else [])]
         title = prepared.study.title or prepared.plan.scene.title

@@ -23,7 +23,7 @@ from vibrafeed.app.cli.by_kind import (
 )
 from vibrafeed.app.cli.console import fail, say, table, tell
 from vibrafeed.app.cli.units import DIGITS, shown_range, units_asked
-from vibrafeed.core.dataset.table import judge_of, percent, regime_shares, shares_of
+from vibrafeed.core.dataset.table import judge_of, percent, regime_shares
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.kinds import is_whole, not_verified, share_left_out
 from vibrafeed.core.motion.feeding import travel_in_words
@@ -33,9 +33,7 @@ from vibrafeed.core.quantities.motion import OF_THE_SEARCH
 from vibrafeed.core.study.distributions import nominal
 
 if TYPE_CHECKING:
-    from vibrafeed.core.dataset import Table
-    from vibrafeed.core.dataset.table import TableVariable
-    from vibrafeed.core.lazy.store import Written
+    from vibrafeed.core.dataset.table import Table, TableVariable
     from vibrafeed.core.plan.prepared import Prepared
     from vibrafeed.core.study.shown import ShownUnits
 
@@ -63,30 +61,6 @@ def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, An
     return _result_document(path, target, result, cells, found, shares)
 
 
-def large_facts(
-    path: Path, target: str, result: Table, cells: int, written: Written
-) -> dict[str, Any]:
-    """Return the result of a study that was written block by block as a JSON document.
-
-    Parameters
-    ----------
-    path, target : Path, str
-        The study's file, and the path or URL of the result.
-    result : Table
-        The result; it has the values of arrays without dimensions only.
-    cells : int
-        Number of cells of the study.
-    written : Written
-        Ranges of the outputs and counts of the regimes, collected while blocks were written.
-    """
-    ends: dict[str, Ends] = {**written.ends}
-    single = [name for name, one in result.variables.items() if not one.dims]
-    ends |= {name: _finite_ends(result, name) for name in _outputs(result) if name in single}
-    shares = {name: shares_of(counts) for name, counts in written.regimes.items()}
-    shares |= {n: regime_shares(result.variables[n].values) for n in single if is_regime(n)}
-    return _result_document(path, target, result, cells, ends, shares)
-
-
 def show_result(
     facts: Mapping[str, Any], result: Table, asked: str | None, *, everything: bool = False
 ) -> None:
@@ -107,7 +81,8 @@ def show_result(
     if "findings" in result.attributes:
         show_findings(result, units)
         return
-    if facts["cells"] > 1 or not is_infeasible(result):  # of one it would be a table of dashes
+    # Of one infeasible cell it would be a table of dashes.
+    if result.variables and (facts["cells"] > 1 or not is_infeasible(result)):
         _show_values(facts, result, units, everything=everything)
     if "message" in facts:
         say(f"  {facts['criterion']}, method {facts['method']}")

@@ -1,7 +1,5 @@
 """`vibrafeed run`: studies in, results out, in the format that a suffix names."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 import tempfile
@@ -15,7 +13,7 @@ import typer
 
 from vibrafeed import core
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.options import FAILED, NO_SOLUTION, Json, Units
+from vibrafeed.app.cli.options import FAILED, NO_SOLUTION, CsvStyle, Json, Units
 from vibrafeed.app.cli.studies import Batch, prepare_all, refuse
 from vibrafeed.core.errors import Problem
 
@@ -67,6 +65,7 @@ def run(
             help="Keep complete results, and continue runs to Zarr that were stopped or killed.",
         ),
     ] = False,
+    csv_style: CsvStyle = "plain",
     units: Units = None,
     as_json: Json = False,
     quiet: Annotated[
@@ -123,8 +122,9 @@ def run(
     all is done, and an optimisation has no solution.
     """
     from vibrafeed.app.cli.running import Running
-    from vibrafeed.app.cli.targets import complete_already, targets_of
+    from vibrafeed.app.cli.targets import complete_already, refuse_choices, targets_of
     from vibrafeed.app.cli.units import units_asked
+    from vibrafeed.core.dataset.files import Storage
 
     to_standard = is_standard(output) and not dry_run
     _refuse_together(as_json=as_json, to_standard=to_standard)
@@ -137,8 +137,8 @@ def run(
             _show_plans(studies, units, as_json)
             return
         running = Running(
-            plain=plain,
             resume=resume,
+            storage=Storage(compression=not plain, csv_style=csv_style),
             units=units,
             checked=time.perf_counter() - began if verbose else None,
             deadline=None if time_limit is None else time.monotonic() + time_limit,
@@ -149,6 +149,7 @@ def run(
             else nullcontext(output) as place
         ):
             targets = targets_of(studies, place)
+            refuse_choices(running.storage, targets.values())
             complete = complete_already(studies, targets, resume=resume, force=force)
             try:
                 with cluster(scheduler, studies, targets):
@@ -189,7 +190,7 @@ def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
 
 @contextmanager
 def cluster(
-    address: str | None, studies: Mapping[Path, Prepared], targets: Mapping[Path, str]
+    address: str | None, studies: "Mapping[Path, Prepared]", targets: Mapping[Path, str]
 ) -> Iterator[None]:
     """Let dask compute on the scheduler at an address while the block runs; here without one.
 

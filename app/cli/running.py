@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ import typer
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.by_kind import is_infeasible
 from vibrafeed.app.cli.options import FAILED
-from vibrafeed.app.cli.results import facts_of, large_facts, more, show_result
+from vibrafeed.app.cli.results import facts_of, more, show_result
 from vibrafeed.app.cli.studies import (
     INTERRUPTED,
     interruptible_compiler,
@@ -28,8 +28,9 @@ from vibrafeed.app.cli.studies import (
 from vibrafeed.app.cli.targets import REMOVE, is_complete, kept_apart, write_or_exit
 from vibrafeed.core import kinds, lazy
 from vibrafeed.core.compiling import stopwatch
-from vibrafeed.core.dataset.files import partial
+from vibrafeed.core.dataset.files import Storage, partial
 from vibrafeed.core.dataset.formats import NETCDF, is_zarr, suffix_of
+from vibrafeed.core.dataset.read import read_zarr
 from vibrafeed.core.errors import Problem, StoppedError, VibrafeedError
 from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.plan.pieces import cells_of, run_cost
@@ -37,7 +38,6 @@ from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
     from vibrafeed.core.dataset.table import Table
-    from vibrafeed.core.lazy.store import Written
     from vibrafeed.core.plan.prepared import Prepared
 
 
@@ -47,8 +47,10 @@ class Running:
 
     Attributes
     ----------
-    plain, resume : bool
-        As for `run`: write NetCDF without compression; go on with stopped runs.
+    resume : bool
+        True to go on with stopped runs.
+    storage : Storage
+        The choices that the formats of results leave.
     units : str or None
         Units for printing.
     checked : float or None
@@ -61,8 +63,8 @@ class Running:
         True if every optimisation so far has a solution for some design.
     """
 
-    plain: bool
     resume: bool
+    storage: Storage
     units: str | None
     checked: float | None
     deadline: float | None
@@ -108,7 +110,7 @@ class Running:
                     path,
                     prepared,
                     target,
-                    compression=not self.plain,
+                    compression=self.storage.compression,
                     resume=self.resume,
                     history=history_of(path),
                     deadline=self.deadline,
@@ -184,7 +186,7 @@ class Running:
             return None
         target = kept_apart(target) if not kinds.is_whole(table) else target
         evaluated = time.perf_counter()
-        write_or_exit(path, table, target, history_of(path), compression=not self.plain)
+        write_or_exit(path, table, target, history_of(path), self.storage)
         seconds = {
             "computing": float(table.price["elapsed_seconds"]),
             "compiling": stopwatch.spent - compiled,
@@ -227,7 +229,7 @@ def history_of(path: Path) -> str:
 # --- results of any size, block by block
 
 LARGE_BYTES = 1 << 28
-"""Bytes of a result from which on NetCDF is written block by block."""
+"""Bytes of a result above which NetCDF is written block by block, and no ranges are printed."""
 
 
 def is_stored_in_blocks(prepared: Prepared, target: str) -> bool:
@@ -290,9 +292,9 @@ def run_large(
             watch = Watch(advance, interrupted, deadline)
             try:
                 if is_zarr(target):
-                    written = _to_zarr(prepared, table, target, watch, history, resume=resume)
+                    _to_zarr(prepared, table, target, watch, history, resume=resume)
                 else:
-                    written = lazy.store.store_netcdf(
+                    lazy.store.store_netcdf(
                         prepared, table, Path(target), watch,
                         history=history, compression=compression,
                     )  # fmt: skip
@@ -300,13 +302,13 @@ def run_large(
                 _say_how_to_go_on(path, target, prepared)
                 return False, False, None
     seconds = time.perf_counter() - started
-    table = lazy.store.whole_table(prepared, table)
-    facts = large_facts(path, target, table, prepared.cells, written)
-    share = min(1.0, written.cells / lazy.store.points_of(prepared))
-    facts |= {"share_of_this_run": share, "seconds": {"computing_and_writing": seconds}}
+    is_short = prepared.bytes <= LARGE_BYTES
+    table = read_zarr(target) if is_short else replace(table, variables={})
+    facts = facts_of(path, target, table, prepared.cells)
+    facts["seconds"] = {"computing_and_writing": seconds}
     console.say(f"{path} -> {target}")
-    if share < 1:
-        console.say(f"  of the {share:.1%} that this run has computed:")
+    if not is_short:
+        console.say(f"  Ranges of values are not printed above {_gb(LARGE_BYTES)}.")
     show_result(facts, table, units)
     console.say(f"  {prepared.cells:,} cells, {_gb(prepared.bytes)}: {seconds:.3f} s")
     return True, not kinds.not_verified(table), facts
@@ -314,7 +316,7 @@ def run_large(
 
 def _to_zarr(
     prepared: Prepared, table: Table, target: str, watch: Watch, history: str, *, resume: bool
-) -> Written:
+) -> None:
     group = lazy.store.ZarrStore(prepared, target)
     started = time.perf_counter()
     group.begin(table, resume=resume)
@@ -322,10 +324,9 @@ def _to_zarr(
     if missing < blocks:
         done = blocks - missing
         console.say(f"  continuing: {done:,} of {blocks:,} blocks were done before")
-    written = group.store(watch)
+    group.store(watch)
     cost = run_cost(prepared.cells, time.perf_counter() - started) if missing == blocks else {}
     group.finish({"history": history, **cost})
-    return written
 
 
 @contextmanager

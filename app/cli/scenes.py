@@ -1,7 +1,5 @@
 """`vibrafeed scenes`: the catalogue."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import logging
 import os
 import socket
 import sqlite3
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from vibrafeed.app.jobs.ledger import Ledger
     from vibrafeed.app.settings import Settings
 
+logger = logging.getLogger("vibrafeed")
+
 PRIVATE = 0o077  # what others on the machine may not do with files
 OLDER_DATA = Path("data")  # what the data directory was by default
 LEDGER_BYTES = 256 * 1024  # bytes that the ledger needs to begin with, and some more
@@ -30,11 +33,27 @@ LEDGER_BYTES = 256 * 1024  # bytes that the ledger needs to begin with, and some
 def serve(
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port to listen on.", min=0, max=65535)] = 8000,
+    behind_proxy: Annotated[
+        bool,
+        typer.Option(
+            "--behind-proxy",
+            help="Take the client's address and scheme from X-Forwarded-For and X-Forwarded-Proto, "
+            "as a proxy such as nginx sends them.",
+        ),
+    ] = False,
     show_settings: Annotated[
         bool,
         typer.Option(
             "--show-settings",
             help="Print the settings in force and exit, without starting the service.",
+        ),
+    ] = False,
+    new_ledger: Annotated[
+        bool,
+        typer.Option(
+            "--new-ledger",
+            help="Start although the ledger is empty and the data directory holds studies, whose "
+            "jobs and keys are lost.",
         ),
     ] = False,
 ) -> None:
@@ -49,24 +68,28 @@ def serve(
     if show_settings:
         typer.echo(settings.model_dump_json(indent=2))
         return
-    _check_keys(settings, host)
+    _check_keys(settings, host, new_ledger)
     # Settings are shown, and keys kept, without what serves.
     from vibrafeed.app.main import create_app
-    from vibrafeed.app.web.connections import most_requests, raise_open_files
+    from vibrafeed.app.web.guard import is_loopback
     from vibrafeed.app.web.server import serve_until_stopped
 
     os.umask(PRIVATE)  # studies and results are their owner's, those of the workers too
     _check_address(host, port)
-    most = min(settings.max_requests, most_requests(raise_open_files()))
-    settings = settings.model_copy(update={"max_requests": most})
     service = create_app(settings)
     _check_directory(settings.data_directory.absolute())
-    _check_ledger(settings, service.state.admission.ledger)
+    _choose_temporary_folder(settings.data_directory.absolute())
+    _check_ledger(settings, service.state.admission.ledger, new_ledger)
     logs.configure()
+    if not (behind_proxy or is_loopback(host)):
+        logger.warning(
+            "other machines reach the service without a proxy, which would add TLS and hold slow "
+            "clients: see docs/operations.md, and start with --behind-proxy behind one"
+        )
     if port and sys.stdout.isatty():  # else it would be a line among those of the log
         _welcome(settings, host, port)
     _tell_of_older_data(settings)
-    serve_until_stopped(service, settings, host, port)
+    serve_until_stopped(service, settings, host, port, behind_proxy=behind_proxy)
 
 
 def _welcome(settings: Settings, host: str, port: int) -> None:
@@ -75,9 +98,11 @@ def _welcome(settings: Settings, host: str, port: int) -> None:
     `host` and `port` are where it listens; `settings` has the data directory.
     """
     address = "http://" + (f"[{host}]:{port}/" if ":" in host else f"{host}:{port}/")
-    typer.echo(f"Open {address} in a browser; Ctrl-C stops the service.")
-    typer.echo(f"Programs use the same address: {address}docs describes what they may ask.")
-    typer.echo(f"Studies and results are kept in {settings.data_directory.absolute()}.")
+    typer.echo(
+        f"Open {address} in a browser; Ctrl-C stops the service.\n"
+        f"Programs use the same address: {address}docs describes the requests.\n"
+        f"Studies and results are kept in {settings.data_directory.absolute()}."
+    )
 
 
 def _tell_of_older_data(settings: Settings) -> None:
@@ -125,23 +150,26 @@ def _check_address(host: str, port: int) -> None:
         raise typer.Exit(INVALID_INPUT) from None
 
 
-def _check_keys(settings: Settings, host: str) -> None:
+def _check_keys(settings: Settings, host: str, new_ledger: bool) -> None:
     """Exit if the service would be reachable from other machines and no API key exists.
 
-    `host` is the address to listen on.
+    `host` is the address to listen on. An empty ledger beside studies is refused, too, unless
+    `new_ledger` is True.
     """
     from vibrafeed.app.jobs.errors import LaterLedgerError
     from vibrafeed.app.jobs.keys import Keys
     from vibrafeed.app.jobs.ledger import Ledger
     from vibrafeed.app.web.guard import is_loopback  # with all that serves
 
-    if settings.api_key_hashes or is_loopback(host):
+    if is_loopback(host):
         return
     where = settings.ledger
     if isinstance(where, str) or where.exists():
         ledger = Ledger(where)
         keys = Keys(ledger.database)
         try:
+            if not new_ledger:  # a key made now would hide that others are lost
+                _check_entries(settings, ledger)
             keys.look()
         except (OSError, sqlite3.DatabaseError, LaterLedgerError):
             return  # `_check_ledger` says why, and nothing is served
@@ -149,7 +177,7 @@ def _check_keys(settings: Settings, host: str) -> None:
             ledger.close()
         if keys.are_needed:
             return
-    fix = "Make a key with `vibrafeed key add NAME`, or set VIBRAFEED_API_KEY_HASHES"
+    fix = "Make a key with `vibrafeed key add NAME`"
     message = "other machines can reach this address, and no keys exist"
     refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
 
@@ -170,17 +198,39 @@ def _check_directory(directory: Path) -> None:
         _refuse_directory(directory, error.strerror or str(error), first)
 
 
-def _check_ledger(settings: Settings, ledger: Ledger) -> None:
-    """Exit with a message if the ledger, the database of jobs, cannot be written.
+def _choose_temporary_folder(directory: Path) -> None:
+    """Use a folder in the data directory for temporary files if the system has none."""
+    try:
+        tempfile.gettempdir()
+    except FileNotFoundError:  # as on a read-only root
+        temporary = directory / "tmp"
+        try:
+            temporary.mkdir(exist_ok=True)
+        except OSError as error:
+            why = f"it can hold no folder for temporary files: {error.strerror}"
+            _refuse_directory(directory, why, "Set TMPDIR to another folder, or set")
+        os.environ["TMPDIR"] = str(temporary)  # of the workers too
 
-    It is found out by the begin of a write transaction. `settings` say where the ledger is, for the
-    message.
+
+def _check_ledger(settings: Settings, ledger: Ledger, new_ledger: bool) -> None:
+    """Exit with a message if the ledger, the database of jobs, cannot be written or is damaged.
+
+    So it is if the ledger is empty beside studies, unless `new_ledger` is True. Whether it can be
+    written is found out by the begin of a write transaction. `settings` say where the ledger is,
+    for the message.
     """
-    from vibrafeed.app.jobs.errors import LaterLedgerError
+    from vibrafeed.app.jobs.errors import DamagedLedgerError, LaterLedgerError
 
     try:
         with ledger.transaction():
             pass  # what can begin a change can be opened and written
+        ledger.database.check()
+    except DamagedLedgerError as error:
+        console.fail(
+            f"The ledger is damaged: {' '.join(str(error).split())}. Restore the backup of "
+            f"{_ledger_location(settings)}; studies and results are not affected."
+        )
+        raise typer.Exit(INVALID_INPUT) from None
     except (OSError, sqlite3.DatabaseError, LaterLedgerError) as error:
         text = error.strerror if isinstance(error, OSError) else None
         why = " ".join((text or str(error)).split())
@@ -194,6 +244,26 @@ def _check_ledger(settings: Settings, ledger: Ledger) -> None:
             "database, or leave the setting out to keep the ledger in the data directory."
         )
         raise typer.Exit(INVALID_INPUT) from None
+    if not new_ledger:
+        _check_entries(settings, ledger)
+
+
+def _check_entries(settings: Settings, ledger: Ledger) -> None:
+    """Exit with a message if the ledger is empty and the data directory holds studies."""
+    studies = settings.data_directory / "studies"
+    if studies.is_dir() and any(studies.iterdir()) and ledger.is_empty():
+        console.fail(
+            f"The ledger is empty, but {studies.absolute()} holds studies: restore the backup of "
+            f"{_ledger_location(settings)}, or start once with `vibrafeed serve --new-ledger`, "
+            "which gives up the jobs and keys of before."
+        )
+        raise typer.Exit(INVALID_INPUT)
+
+
+def _ledger_location(settings: Settings) -> str:
+    if settings.ledger_url is None:
+        return str(settings.data_directory.absolute() / "jobs.sqlite3")
+    return "the database of VIBRAFEED_LEDGER_URL"
 
 
 def _refuse_directory(directory: Path, why: str, first: str) -> NoReturn:

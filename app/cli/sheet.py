@@ -1,7 +1,5 @@
 """`vibrafeed sheet`: one page about a result, for whoever asks for it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """The study that `vibrafeed new` writes: answers in, commented TOML out."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Studies from files: read, checked and refused; Ctrl-C; and text files that commands write."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading
@@ -161,7 +159,7 @@ def refuse_clashes(targets: Mapping[Path, Path | str], taken: Collection[Path | 
         refuse(clashes)
 
 
-def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
+def refuse_beyond_memory(path: Path, prepared: "Prepared") -> None:
     """Exit if the result of a study needs more memory than this machine has.
 
     `path` is the study's file, which the message names.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,8 +13,10 @@ from vibrafeed import core
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.studies import REPLACE, refuse, refuse_clashes, stem_of
+from vibrafeed.core.dataset.files import Storage
 from vibrafeed.core.dataset.formats import (
     FORMATS,
+    ZARR,
     attributes_there,
     is_zarr,
     known_suffixes,
@@ -22,6 +24,7 @@ from vibrafeed.core.dataset.formats import (
     suffix_of,
     write_result,
 )
+from vibrafeed.core.dataset.limits import Size
 from vibrafeed.core.errors import LimitError, MissingPackageError, Problem
 from vibrafeed.core.suggestions import nearest
 
@@ -83,6 +86,20 @@ def check_suffix(output: str) -> None:
         refuse({Path(output): [problem]})
 
 
+def refuse_choices(storage: Storage, targets: Iterable[str]) -> None:
+    """Exit if a choice is given that the format of a target does not leave."""
+    given = {
+        "--csv-style": (storage.csv_style != "plain", ".csv"),
+        "--zarr-version": (storage.zarr_version != 3, ZARR),
+    }
+    for option, (is_given, suffix) in given.items():
+        fix = f"Leave it out, or give the output a name that ends in {suffix}"
+        problem = Problem(option, f"it is for {FORMATS[suffix].name} only", fix)
+        invalid = {Path(one): [problem] for one in targets if suffix_of(one) != suffix}
+        if is_given and invalid:
+            refuse(invalid)
+
+
 def make_folder_of(target: str) -> None:
     """Create the folder of an output file; exit if it cannot be created."""
     folder = Path(target).parent
@@ -107,9 +124,7 @@ def kept_apart(target: str) -> str:
     return beside
 
 
-def write_or_exit(
-    path: Path, table: Table, target: str, history: str, *, compression: bool = True
-) -> None:
+def write_or_exit(path: Path, table: Table, target: str, history: str, storage: Storage) -> None:
     """Write a result to a file; exit with the reason if it cannot be written.
 
     Parameters
@@ -122,11 +137,11 @@ def write_or_exit(
         The path or URL to write to.
     history : str
         The CF attribute of the result.
-    compression : bool
-        True to compress NetCDF and MAT files.
+    storage : Storage
+        The choices that the format leaves.
     """
     try:
-        write_result(table, target, history=history, compression=compression)
+        write_result(table, target, history=history, storage=storage)
     except LimitError as error:
         refuse({path: [Problem("output", error.message, error.fix)]})
     except FileExistsError as error:
@@ -151,14 +166,24 @@ def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]
     """
     invalid = {}
     for path, prepared in studies.items():
-        kept = {dim for dims in prepared.dims.values() for dim in dims}
-        rows = math.prod(prepared.sizes[dim] for dim in kept)
         try:
-            FORMATS[suffix_of(targets[path])].check(rows, prepared.bytes)
+            FORMATS[suffix_of(targets[path])].check(_size_of(prepared))
         except LimitError as error:
             invalid[path] = [Problem("output", error.message, error.fix)]
     if invalid:
         refuse(invalid)
+
+
+def _size_of(prepared: Prepared) -> Size:
+    kept = {dim for dims in prepared.dims.values() for dim in dims}
+    cells = {
+        name: math.prod(prepared.sizes[dim] for dim in dims) for name, dims in prepared.dims.items()
+    }
+    return Size(
+        rows=math.prod(prepared.sizes[dim] for dim in kept),
+        columns=len(prepared.plan.parameters) + len(prepared.dims),
+        doubles=8 * sum(cells.values()),
+    )
 
 
 def complete_already(

@@ -1,7 +1,5 @@
 """Values as a person reads them: in units of the trade, with few digits."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -7,27 +7,19 @@ import time
 from collections.abc import Callable
 
 from vibrafeed.app.jobs import audit, work
-from vibrafeed.app.jobs.errors import FetchingError, NotFoundError, NotOwnerError, TooManyJobsError
-from vibrafeed.app.jobs.job_looks import JobLooks
+from vibrafeed.app.jobs.errors import NotFoundError, NotOwnerError, TooManyJobsError
 from vibrafeed.app.jobs.keys import NOBODY, Key
 from vibrafeed.app.jobs.ledger import Job, Ledger
 from vibrafeed.app.jobs.quota import Quota
-from vibrafeed.app.jobs.scrub import BROKEN, damages
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.jobs.studies import identifier
+from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.settings import Settings
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.plan.prepared import Prepared
 
 logger = logging.getLogger("vibrafeed.store")
 
-# Bytes of results that one call of `scrub` reads before it stops; the last result is read whole.
-SCRUBBED = 4_000_000_000
 DAY = 86_400.0  # s
 MAX_JOBS = 100_000  # ended jobs of each owner that the ledger keeps: the latest
-REPORT_BYTES = 10_000_000  # bytes that an accuracy report may take on the disk
-REPORT_SECONDS = 60.0  # of a report, whose study does not state it
 
 
 class Admission:
@@ -59,11 +51,9 @@ class Admission:
         self.waits = waits
         self._quota = Quota(ledger, store, settings)
         self.posted: Callable[[str], object] = lambda key: None  # told before others may claim it
-        self._scrubbed = ""  # the study that was looked at last
         self.ownership = self._quota.ownership
-        self.looks = JobLooks(ledger)
 
-    def post(self, prepared: Prepared, process: str, who: Key = NOBODY) -> Job:
+    def post(self, task: Task, who: Key = NOBODY) -> Job:
         """Enter a job for a study into the ledger; the job is stored on disk on return.
 
         A job is successful at once if its result exists and the same API key asked for it before.
@@ -72,10 +62,8 @@ class Admission:
 
         Parameters
         ----------
-        prepared : Prepared
-            The checked study.
-        process : str
-            What to carry out: the study's kind, or `accuracy`.
+        task : Task
+            The study, read and priced, and what to carry out.
         who : Key
             The API key that posts it.
 
@@ -87,23 +75,9 @@ class Admission:
             If too much is waiting.
         TooManyJobsError
             If the key has as many jobs as it may.
-        FetchingError
-            If the result is still being fetched from the object store.
         """
-        key = identifier(prepared.study, process)
-        block_cells, blocks, needed, price = self._measure_job(prepared, process)
-        self._quota.look(key, needed, who)
-        if self.store.manifest(key) is None:
-            try:
-                found = self.store.fetch(key)
-            except OSError:  # it is computed again, then
-                logger.exception("a result cannot be fetched: %s", key)
-            else:
-                if found is None:
-                    raise FetchingError(
-                        "The result of this study is being fetched from the object store. Post "
-                        "the study again in a few seconds."
-                    )
+        key = task.key
+        self._quota.look(key, task.bytes, who)
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
             self._check_jobs(who)
@@ -114,22 +88,22 @@ class Admission:
             is_there = manifest is not None or is_under_way
             if not (is_own and is_there):  # else others' work would be told by it
                 self.ledger.check_queue(self._settings.max_queue, who.name)
-                self._quota.make(key, needed, who, is_there=is_there)
+                self._quota.make(key, task.bytes, who, is_there=is_there)
             if not is_there:
-                self.store.add(prepared.study, process)
+                self.store.put(key, task.text)
             finished = manifest.seconds if manifest and is_own and not is_under_way else None
-            self.ownership.hold(who.name, key, len(prepared.study.canonical()), result=True)
+            self.ownership.hold(who.name, key, len(task.text), result=True)
             job = self.ledger.post(
                 key,
-                process,
-                cells=prepared.cells,
-                block_cells=block_cells,
-                blocks=blocks,
-                bytes_=needed,
+                task.process,
+                cells=task.cells,
+                block_cells=task.block_cells,
+                blocks=task.blocks,
+                bytes_=task.bytes,
                 finished_seconds=finished,
                 known_seconds=manifest.seconds if manifest else 0.0,
                 owner=who.name,
-                price=price,
+                price=task.price,
             )
             if manifest is None:
                 self.posted(key)
@@ -150,7 +124,7 @@ class Admission:
         Returns
         -------
         bool
-            True if the result exists or is being fetched, or if the work was queued; then all
+            True if the result exists or the work was queued; then all
             successful jobs of the study are accepted again.
 
         Raises
@@ -158,40 +132,29 @@ class Admission:
         NoRoomError
             If the result would not fit.
         """
-        if self.store.fetch(job.key) is not False:
-            return True
         try:
             prepared = self.store.get(job.key)
         except (NotFoundError, StudyError):
             return False
-        block_cells, blocks, needed, price = self._measure_job(prepared, job.process)
-        self._quota.look(job.key, needed)
+        task = work.task_of(prepared, job.process, self._settings)
+        self._quota.look(job.key, task.bytes)
         with self.ledger.transaction():
             if self.store.manifest(job.key) is None:
                 if not self.store.used(job.key):  # it has just made room for another
                     return False
-                self._quota.make(job.key, needed)
+                self._quota.make(job.key, task.bytes)
                 self.ledger.reenter(
                     job.key,
                     job.process,
-                    cells=prepared.cells,
-                    block_cells=block_cells,
-                    blocks=blocks,
-                    bytes_=needed,
-                    price=price,
+                    cells=task.cells,
+                    block_cells=task.block_cells,
+                    blocks=task.blocks,
+                    bytes_=task.bytes,
+                    price=task.price,
                 )
         logger.warning("a result is computed again: %s", job.key)
         self._wake()
         return True
-
-    def _measure_job(self, prepared: Prepared, process: str) -> tuple[int, int, int, float]:
-        """Return cells of a block, number of blocks, disk space [bytes], price [s] of a job."""
-        cells, blocks = work.blocks(prepared, process, self._settings)
-        if process not in KINDS:
-            return cells, blocks, REPORT_BYTES, REPORT_SECONDS
-        # Blocks and the result are there at the same time, for a moment.
-        needed = prepared.bytes + prepared.computed_bytes
-        return cells, blocks, needed, prepared.price.of(prepared.cells)
 
     def _check_jobs(self, who: Key) -> None:
         """Raise `TooManyJobsError` if an API key has as many running or waiting jobs as it may.
@@ -204,22 +167,20 @@ class Admission:
                 "job, or wait until one is done."
             )
 
-    def keep(self, sweep: Prepared, who: Key = NOBODY) -> tuple[str, bool]:
+    def keep(self, key: str, text: str, who: Key = NOBODY) -> bool:
         """Store a sweep without computing it, so that clients can read slices computed on demand.
 
         Room for it is made first, by the quota of the API key.
 
         Parameters
         ----------
-        sweep : Prepared
-            The checked sweep.
+        key, text : str
+            Identifier and canonical text of the sweep, which is checked.
         who : Key
             The API key of the request; by default that of a service without keys.
 
         Returns
         -------
-        str
-            Identifier of the study, a digest of its content.
         bool
             True if this key had not posted the study before; for an admin, if the store did not
             have it.
@@ -229,18 +190,18 @@ class Admission:
         NoRoomError
             If the data directory is full.
         """
-        key, needed = identifier(sweep.study), len(sweep.study.canonical())
+        needed = len(text)
         is_there = self.store.used(key) > 0
         if is_there and self.ownership.of(who.name, key) is not None:
             self.ownership.readable(who.name, key)
-            return self.store.add(sweep.study)
+            return self.store.put(key, text)
         self._quota.look(key, needed, who)
         with self.ledger.transaction():
             self._quota.make(key, needed, who, is_there=is_there)
-            _, is_new = self.store.add(sweep.study)
+            is_new = self.store.put(key, text)
             is_new_to_them = self.ownership.hold(who.name, key, needed, result=False)
             self._note(who, "post", key)
-        return key, is_new if who.sees_all else is_new_to_them
+        return is_new if who.sees_all else is_new_to_them
 
     def job(self, number: str, who: Key) -> Job | None:
         """Return a job that an API key may read; None if it does not exist or may not be read.
@@ -248,7 +209,9 @@ class Admission:
         `number` is the job's identifier; `who` is the key: it reads its own jobs and shared ones.
         """
         job = self.ledger.job(number)
-        return job if job is not None and is_readable(job, who) else None
+        if job is not None and (who.sees_all or job.shared or job.owner == who.name):
+            return job
+        return None
 
     def may_read(self, key: str, who: Key) -> bool:
         """True if an API key may read a study: its own, or one that is shared with all keys."""
@@ -311,6 +274,8 @@ class Admission:
             job = self.ledger.dismiss(number)
             if was_there:
                 self._note(who, "dismiss", number)
+                if job is not None and job.key not in self.ledger.promised():
+                    self._quota.weigh(job.key)
         self._wake()
         return job
 
@@ -387,37 +352,15 @@ class Admission:
                     self.store.drop_blocks(key)
                     if self.store.used(key) < before:
                         self._quota.remove(key)
-        object_store = self.store.object_store is not None
-        for key in () if object_store else self.ownership.studies() - set(self.store.studies()):
+        for key in self.ownership.studies() - set(self.store.studies()):
             with self.ledger.transaction():
                 if not self.store.used(key):  # removed by hand, or by a server that was killed
                     self.ownership.let_go(key)
-
-    def scrub(self, stopped: Callable[[], bool]) -> None:
-        """Compare stored results with their digests and remove damaged ones, to be made again.
-
-        A call reads some 4 GB and continues where the previous one ended; `stopped` is a function
-        that returns True when the service stops.
-        """
-        read = 0
-        for check in damages(self.store, self._scrubbed, stopped):
-            self._scrubbed = check.name
-            if check.state == BROKEN:
-                path = self.store.folder(check.name) / check.files[0]
-                self.store.remove_file(check.name, path)
-            read += check.bytes
-            if read >= SCRUBBED:
-                return
-        self._scrubbed = ""
+        self._quota.measure()
 
     def used_bytes(self) -> int:
-        """Return the bytes that all studies take on disk, counted at most a minute ago."""
+        """Return the bytes that all studies take on disk; of those in work, the most."""
         return self._quota.used()
-
-
-def is_readable(job: Job, who: Key) -> bool:
-    """True if a key may read a job."""
-    return who.sees_all or job.shared or job.owner == who.name
 
 
 def _check_owner(job: Job, who: Key) -> None:

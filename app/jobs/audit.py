@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time
 import uuid
-from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
-from sqlalchemy import select
+from sqlalchemy import Row, select
 
 from vibrafeed.app.jobs.database import Database
 from vibrafeed.app.jobs.tables import AUDIT
@@ -15,28 +14,6 @@ from vibrafeed.app.jobs.tables import AUDIT
 MAX_ENTRIES = 100_000  # the latest; older ones go when the service tidies up
 
 Action = Literal["post", "dismiss", "share", "unshare", "add key", "withdraw key", "refuse key"]
-
-
-@dataclass(frozen=True)
-class AuditEntry:
-    """Something that was done.
-
-    Attributes
-    ----------
-    time : float
-        When [s since the epoch].
-    name : str
-        Of the key; empty where no keys are needed, or the key is unknown.
-    action : str
-        What was done.
-    object : str
-        To what: a job, a study, a key's name, or the address that a refused key came from.
-    """
-
-    time: float
-    name: str
-    action: str
-    object: str
 
 
 def note(database: Database, name: str, action: Action, object_: str) -> None:
@@ -58,11 +35,13 @@ def note(database: Database, name: str, action: Action, object_: str) -> None:
         connection.execute(AUDIT.insert().values(**entry, object=object_))
 
 
-def latest(database: Database, most: int) -> list[AuditEntry]:
-    """Return the latest entries of the audit log, at most `most`, newest first."""
-    found = select(AUDIT.c.time, AUDIT.c.name, AUDIT.c.action, AUDIT.c.object)
-    newest = found.order_by(AUDIT.c.time.desc(), AUDIT.c.id).limit(most)
-    return [AuditEntry(*row) for row in database.read(newest)]
+def latest(database: Database, most: int) -> list[Row[*tuple[Any, ...]]]:
+    """Return the latest entries of the audit log, at most `most`, newest first.
+
+    Each has `time` [s since the epoch], `name`, `action` and `object`, as `note` wrote them.
+    """
+    newest = select(AUDIT).order_by(AUDIT.c.time.desc(), AUDIT.c.id).limit(most)
+    return database.read(newest)
 
 
 def forget(database: Database, most: int = MAX_ENTRIES) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import io
 import json
@@ -12,6 +11,7 @@ import numpy as np
 
 from vibrafeed.app.jobs.errors import TornBlockError
 from vibrafeed.app.jobs.studies import Studies
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.plan.pieces import Computed
 
@@ -102,26 +102,9 @@ class Blocks(Studies):
             )
         return computed
 
-    def give_up(self, key: str, claim: str) -> None:
-        """Mark a claim on a study as abandoned, so that workers stop computing its blocks.
-
-        `key` is the study's identifier. `claim` is the text that names one lease of the work, so
-        that a later claim on the same study is not stopped.
-        """
-        with contextlib.suppress(OSError):  # the study may be gone, and its blocks with it
-            self._abandoned_mark(key, claim).parent.mkdir(exist_ok=True)
-            self._abandoned_mark(key, claim).touch()
-
-    def is_abandoned(self, key: str, claim: str) -> bool:
-        """True if a claim on a study is marked as abandoned."""
-        return self._abandoned_mark(key, claim).exists()
-
-    def _abandoned_mark(self, key: str, claim: str) -> Path:
-        """Return the path of the empty file that marks a claim on a study as abandoned."""
-        name = hashlib.sha256(claim.encode()).hexdigest()[:32]
-        return self.folder(key) / "blocks" / f"{name}.given-up"
-
     def _block(self, key: str, cells: int, index: int) -> Path:
         """Return the path of a block's file: of a study, cells per block, and number from 0."""
-        # Blocks of another size, left by a job that was given up, are never taken for these.
-        return self.folder(key) / "blocks" / str(cells) / f"{index:06d}.block"
+        # Blocks of another size, left by a job that was given up, are never taken for these; nor
+        # are those of other code, so that no result is made by two.
+        made = f"{cells}-{code_version()}"
+        return self.folder(key) / "blocks" / made / f"{index:06d}.block"

@@ -1,251 +1,116 @@
-"""The Dask cluster that the work runs on: one of our own, or any by its address."""
+"""A Dask cluster elsewhere, which takes the blocks of jobs through `concurrent.futures`."""
 
 from __future__ import annotations
 
 import asyncio
-import contextlib
-from collections.abc import Callable
-from contextlib import AsyncExitStack, suppress
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Any, TypeVar
 
-import dask
-from distributed import Client, LocalCluster, WorkerPlugin, get_worker
-
-from vibrafeed.core.system import lower_priority
+from vibrafeed.app.jobs.fair_queue import FairQueue
+from vibrafeed.app.jobs.process_pool import EndedError, LostError
 
 if TYPE_CHECKING:
-    _Made = tuple[Client, AsyncExitStack]  # what closes it, and the workers if they are ours
+    from distributed import Client
 
-MAX_FAILURES = 10  # workers that die under one block
-BEGUN = "vibrafeed-begun"  # Dask's topic under which workers report the calls that they begin
-RESTART = 30.0  # s that a worker may take to end and come again
-PATIENCE = 1.0  # s that a worker may take to end before it is killed
-POLITE = 10  # niceness of our own workers: the service answers while they work
+PATIENCE = 20.0  # s that a scheduler may take to answer
+_T = TypeVar("_T")
 
 
 class Cluster:
-    """Connects to the Dask cluster at first use, so that a service without jobs starts no workers.
+    """Runs functions on the workers of a Dask scheduler; connects when the first work comes.
 
     Parameters
     ----------
-    address : str or None
-        Address of a running scheduler; None for workers of our own.
-    workers : int
-        Number of our own workers, one process and one thread each.
+    address : str
+        The scheduler's.
 
     Attributes
     ----------
-    begun : callable
-        Called with the key of each call that a worker begins, the worker's address, and True if the
-        worker has loaded its code: once when it takes the call up, once when it has.
+    fair_queue : FairQueue
+        Gives out the threads of all workers.
+    trouble : str or None
+        The reason why calls cannot be carried out.
     """
 
-    def __init__(self, address: str | None, workers: int):
-        """Note the scheduler's address, or the number of local workers; connect on first use."""
-        self._address, self._workers = address, workers
-        # A task of its own: who waits for it may be cancelled, and leaves nothing half made.
-        self._start: asyncio.Task[_Made] | None = None
-        self.begun: Callable[[str, str, bool], object] = lambda key, worker, is_loaded: None
+    def __init__(self, address: str):
+        """Note the address of a scheduler."""
+        self._address = address
+        self._client: Client | None = None
+        self._threads = 0
+        self.fair_queue = FairQueue(2)
+        self.trouble: str | None = None
 
-    async def client(self) -> Client:
-        """Return the client of the Dask cluster; connect if there is no connection or it is lost.
+    async def prepare(self) -> None:
+        """Connect to the scheduler if need be, and count the threads of its workers.
 
         Raises
         ------
-        OSError
-            If the scheduler does not answer.
+        LostError
+            If it does not answer, or has no workers; `trouble` then says so.
         """
-        if self._start is None or _is_lost(self._start):
-            self._start = asyncio.create_task(self._connect(self._start))
-        client, _ = await asyncio.shield(self._start)
-        return client
+        try:
+            self._threads = await asyncio.to_thread(self._count)
+        except Exception as error:  # of many kinds
+            self._threads = 0
+            self.trouble = f"the workers cannot be reached: {type(error).__name__}"
+            raise LostError(f"{self.trouble}: {error}") from error
+        self.trouble = None if self._threads else "there are no workers"
+        if self.trouble:
+            raise LostError(self.trouble)
+        self.fair_queue.resize(self._threads + 1)  # long calls leave one place
 
-    async def workers(self) -> int:
-        """Return the number of tasks that the cluster can run at once: threads of all its workers.
+    async def __call__(
+        self,
+        function: Callable[..., _T],
+        *arguments: Any,
+        began: Callable[[], Awaitable[None]],
+        grace: float = 0.0,
+    ) -> _T:
+        """Run a function on a worker and return its result.
 
-        The number is 0 while no worker is there: ours are started again, or a scheduler elsewhere
-        has none.
+        A running call cannot be ended from here: `grace` [s] after its caller is cancelled it is
+        left to itself. Raises `EndedError` if workers die of it, and `LostError` if the scheduler
+        is lost.
         """
-        client = await self.client()
-        threads: dict[str, int] = await client.nthreads()  # type: ignore[no-untyped-call]
-        return sum(threads.values())
+        from distributed import KilledWorker
+        from distributed.client import FutureCancelledError
+        from distributed.comm.core import CommClosedError
 
-    async def has_nanny(self, worker: str) -> bool:
-        """True if a worker would be restarted automatically after a kill, or is already gone.
-
-        `worker` is its address. A nanny is the process of Dask that starts a worker again.
-        """
-        client = await self.client()
-        # All of them: by default the scheduler tells of a few.
-        scheduler: Any = client.scheduler
-        known = (await scheduler.identity(n_workers=-1))["workers"]
-        return worker not in known or known[worker]["nanny"] is not None
-
-    async def restart(self, worker: str) -> None:
-        """Restart the process of a worker, by force if need be, and wait for the new process.
-
-        `worker` is its address; a worker that is gone is left out. Waits for 30 s at most.
-        """
-        client = await self.client()
-        with contextlib.suppress(KeyError):  # it is gone
-            await client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
+        assert self._client is not None, "prepare() connects"
+        executor = self._client.get_executor(pure=False)  # type: ignore[no-untyped-call]
+        call = asyncio.wrap_future(executor.submit(function, *arguments))
+        try:
+            await began()
+            await asyncio.wait({call})
+            if call.cancelled():
+                raise LostError("the scheduler has forgotten the work")
+            result: _T = call.result()
+            return result
+        except KilledWorker as error:
+            raise EndedError("The workers that computed a block died.") from error
+        except (FutureCancelledError, CommClosedError) as error:
+            raise LostError(f"{type(error).__name__}: {error}") from error
+        finally:
+            if not call.done():
+                await asyncio.wait({call}, timeout=grace)
+                call.cancel()
 
     def alive(self) -> int:
-        """Return the number of workers at the last count; 0 before the cluster is used."""
-        if self._start is None or not self._start.done() or _is_lost(self._start):
-            return 0
-        client, _ = self._start.result()
-        told: Any = client.scheduler_info()  # of an asynchronous client: what it was last told
-        return int(told.get("n_workers", 0))
+        """Return the number of threads of all workers at the last look."""
+        return self._threads
 
-    async def close(self) -> None:
-        """Close the connection and the workers of this service.
+    def close(self) -> None:
+        """Close the connection; the workers stay."""
+        client, self._client = self._client, None
+        if client is not None:
+            client.close(timeout=1)  # type: ignore[no-untyped-call]
 
-        Wait for those that are starting.
-        """
-        start, self._start = self._start, None
-        if start is not None:
-            if self._address is not None:
-                start.cancel()  # it may wait long for a scheduler, and has no processes
-            await _end(start)
+    def _count(self) -> int:
+        from distributed import Client
 
-    async def _connect(self, lost: asyncio.Task[_Made] | None) -> _Made:
-        """Connect to the cluster, starting local workers if no address is set.
-
-        Parameters
-        ----------
-        lost : asyncio.Task or None
-            The previous attempt, whose connection is closed first; None at the first.
-
-        Returns
-        -------
-        tuple
-            The client of Dask, and the stack that closes it and the workers if they are ours.
-        """
-        if lost is not None:
-            await _end(lost)
-        async with AsyncExitStack() as made:
-            local = None
-            if self._address is None:
-                local = _local(self._workers)
-                made.push_async_exit(local)
-                await local
-                made.push_async_callback(_end_workers, local)
-            client = Client(
-                local or self._address, asynchronous=True, set_as_default=False, timeout=20
-            )  # type: ignore[no-untyped-call]
-            made.push_async_callback(client.close)
-            await client
-            client.subscribe_topic(BEGUN, self._heard)  # type: ignore[no-untyped-call]
-            if local is not None:
-                await client.register_plugin(_polite())
-            return client, made.pop_all()
-
-    def _heard(self, event: tuple[float, dict[str, Any]]) -> None:
-        """Pass a worker's report that it has begun with a call to `begun`.
-
-        `event` is what Dask delivers: the time, and a dict with the call's `key`, the worker's
-        address `worker`, and `is_loaded`.
-        """
-        told = event[1]
-        self.begun(told["key"], told["worker"], told["is_loaded"])
-
-
-def call_reported(module: str, name: str, *arguments: Any) -> Any:
-    """Call a function on a worker, and report to the cluster's clients that it has begun.
-
-    They are told when the worker takes the call up, and when it has imported `module`, which takes
-    seconds on a busy machine in its first call.
-    """
-    _report(is_loaded=False)
-    home = import_module(module)
-    _report(is_loaded=True)
-    return getattr(home, name)(*arguments)
-
-
-def _report(*, is_loaded: bool) -> None:
-    with suppress(ValueError):  # it is called elsewhere than on a worker
-        worker = get_worker()
-        told = {"key": worker.get_current_task(), "worker": worker.address}
-        worker.log_event(BEGUN, {**told, "is_loaded": is_loaded})
-
-
-def _is_lost(start: asyncio.Task[_Made]) -> bool:
-    """True if a connection attempt has failed or its connection is closed.
-
-    `start` is the task of `Cluster._connect`, which may still run: it is not lost then.
-    """
-    if not start.done():
-        return False
-    failed = start.cancelled() or start.exception() is not None
-    return failed or start.result()[0].status != "running"
-
-
-def _polite() -> WorkerPlugin:
-    """Return a Dask plugin that lowers the process priority of every worker, restarted ones too."""
-
-    class Polite(WorkerPlugin):
-        def setup(self, worker: object) -> None:
-            """Lower the priority of the worker's process."""
-            lower_priority(POLITE)
-
-    return Polite()
-
-
-async def _end(start: asyncio.Task[_Made]) -> None:
-    """Wait for a connection attempt to end, and close the connection that it made, if any."""
-    await asyncio.wait([start])
-    if not start.cancelled() and start.exception() is None:
-        await start.result()[1].aclose()
-
-
-async def _end_workers(cluster: Any) -> None:
-    """Kill the processes of a local Dask cluster, whatever they compute.
-
-    Blocks that are cut off are computed again later. Raises the error of a worker whose end fails;
-    one that does not end in time has been killed and is no error.
-    """
-    nannies = list(cluster.workers.values())
-    ends = await asyncio.gather(
-        *(nanny.close(timeout=PATIENCE) for nanny in nannies), return_exceptions=True
-    )
-    for error in ends:
-        # What does not end in time has been killed: on a busy machine its end comes later.
-        if isinstance(error, BaseException) and not isinstance(error, TimeoutError):
-            raise error
-
-
-def _local(workers: int) -> Any:
-    """Return a local Dask cluster with this number of workers, not started yet."""
-    dask.config.set(
-        {
-            # A worker may be killed for reasons that are not its block's.
-            "distributed.scheduler.allowed-failures": MAX_FAILURES,
-            # Workers are forked from the server of `process_pool`, which has loaded what they need:
-            # they are there at once, and share its memory.
-            "distributed.worker.multiprocessing-method": "forkserver",
-            # No pages beside ours.
-            "distributed.scheduler.http.routes": [],
-            "distributed.worker.http.routes": [],
-            # Nobody looks at what Dask observes of itself, up to a hundred times a second: idle
-            # processes would take a twelfth of a processor.
-            "distributed.worker.profile.enabled": False,
-            "distributed.admin.tick.interval": "1s",
-            "distributed.admin.system-monitor.interval": "5s",
-        }
-    )
-    return LocalCluster(  # type: ignore[no-untyped-call]
-        n_workers=workers,
-        threads_per_worker=1,
-        processes=True,
-        host="127.0.0.1",
-        # They serve no pages; what listens does so on loopback only.
-        dashboard_address="127.0.0.1:0",
-        worker_dashboard_address="127.0.0.1:0",
-        security=True,  # keys of its own: other users of the machine cannot give it work
-        # Blocks have a known size, and results one below VIBRAFEED_MAX_BYTES.
-        memory_limit=0,
-        asynchronous=True,
-        silence_logs="ERROR",
-    )
+        if self._client is not None and self._client.status != "running":
+            self.close()
+        if self._client is None:
+            self._client = Client(self._address, set_as_default=False, timeout=PATIENCE)  # type: ignore[no-untyped-call]
+        threads: dict[str, int] = self._client.nthreads()  # type: ignore[no-untyped-call]
+        return sum(threads.values())

@@ -29,7 +29,7 @@ from filelock import FileLock
 from sqlalchemy import URL, Connection, Engine, Row, create_engine, event, exc, inspect, make_url
 from sqlalchemy.sql.expression import Select
 
-from vibrafeed.app.jobs.errors import LaterLedgerError, LostLedgerError
+from vibrafeed.app.jobs.errors import DamagedLedgerError, LaterLedgerError, LostLedgerError
 from vibrafeed.app.jobs.tables import UPGRADES, VERSION, WORDS
 
 PATIENCE = 30  # s that a transaction waits for another process to end its own
@@ -73,6 +73,8 @@ FAILURES = {
     "40": errno.EAGAIN,
 }
 LOST = ("08", "57P", "53300", "25P03")
+DAMAGED = ("XX001", "XX002")
+MALFORMED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 
 
 class Database:
@@ -84,6 +86,11 @@ class Database:
     ----------
     where : Path or str
         An SQLite file, or the URL of a database.
+
+    Attributes
+    ----------
+    is_damaged : bool
+        True once a read or a change has found the database damaged.
     """
 
     def __init__(self, where: Path | str):
@@ -99,6 +106,7 @@ class Database:
         self._lock = threading.RLock()  # threads take turns here, not by each a connection
         self._mine = threading.local()  # the connection of a thread that is in a transaction
         self._opened: Engine | None = None
+        self.is_damaged = False
 
     def close(self) -> None:
         """Close all connections to the database; the next use opens new ones."""
@@ -125,7 +133,7 @@ class Database:
         if mine is not None:
             yield mine
             return
-        with self._lock, _plain_errors(), self._engine().begin() as connection:
+        with self._lock, self._plain_errors(), self._engine().begin() as connection:
             for statement in BEGIN[self.kind]:
                 connection.exec_driver_sql(statement)
             self._mine.connection = connection
@@ -142,8 +150,17 @@ class Database:
         mine = getattr(self._mine, "connection", None)
         if mine is not None:
             return list(mine.execute(statement))
-        with _plain_errors(), self._engine().connect() as connection:
+        with self._plain_errors(), self._engine().connect() as connection:
             return list(connection.execute(statement))
+
+    def check(self) -> None:
+        """Raise `DamagedLedgerError` if an SQLite file is damaged; every page of it is read."""
+        if self._file is not None:
+            with self._plain_errors(), self._engine().connect() as connection:
+                found = connection.exec_driver_sql("PRAGMA quick_check(1)").scalar_one()
+            if found != "ok":
+                self.is_damaged = True
+                raise DamagedLedgerError(found)
 
     def _engine(self) -> Engine:
         """Return the SQLAlchemy engine; at first use create it, and the tables of the ledger."""
@@ -226,28 +243,37 @@ class Database:
             if version < len(UPGRADES):
                 connection.execute(VERSION.update().values(version=len(UPGRADES)))
 
+    @contextmanager
+    def _plain_errors(self) -> Iterator[None]:
+        # SQLAlchemy's errors become `sqlite3.Error` or, of a remote database, `OSError`: so callers
+        # treat it as they treat a failing disk.
+        try:
+            yield
+        except exc.TimeoutError as error:
+            raise OSError(
+                errno.EAGAIN, "all connections to the job database are in use; try again later"
+            ) from error
+        except exc.DBAPIError as error:
+            plain = _plain(error)
+            self.is_damaged |= isinstance(plain, DamagedLedgerError)
+            if plain is None:
+                raise
+            raise plain from error
 
-@contextmanager
-def _plain_errors() -> Iterator[None]:
-    """Turn SQLAlchemy's errors in the block into `sqlite3.Error` or `OSError`.
 
-    The latter are those of a remote database; so callers treat it as they treat a failing disk. A
-    lost connection becomes `LostLedgerError`; errors of other kinds pass.
-    """
-    try:
-        yield
-    except exc.TimeoutError as error:
-        raise OSError(
-            errno.EAGAIN, "all connections to the job database are in use; try again later"
-        ) from error
-    except exc.DBAPIError as error:
-        if isinstance(error.orig, sqlite3.Error):
-            raise error.orig from error
-        code = getattr(error.orig, "sqlstate", None) or ""
-        for beginning, number in FAILURES.items():
-            if code.startswith(beginning):
-                raise OSError(number, str(error.orig)) from error
-        is_refusal = not code and type(error.orig).__name__ == "OperationalError"
-        if error.connection_invalidated or is_refusal or code.startswith(LOST):
-            raise LostLedgerError(str(error.orig)) from error
-        raise
+def _plain(error: exc.DBAPIError) -> Exception | None:
+    cause = error.orig
+    if isinstance(cause, sqlite3.Error):
+        # The lowest byte; those above say what exactly was malformed.
+        is_damaged = getattr(cause, "sqlite_errorcode", 0) & 0xFF in MALFORMED
+        return DamagedLedgerError(str(cause)) if is_damaged else cause
+    code = getattr(cause, "sqlstate", None) or ""
+    if code in DAMAGED:
+        return DamagedLedgerError(str(cause))
+    for beginning, number in FAILURES.items():
+        if code.startswith(beginning):
+            return OSError(number, str(cause))
+    is_refusal = not code and type(cause).__name__ == "OperationalError"
+    if error.connection_invalidated or is_refusal or code.startswith(LOST):
+        return LostLedgerError(str(cause))
+    return None

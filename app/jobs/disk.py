@@ -6,13 +6,13 @@ import errno
 import sqlite3
 from typing import Any
 
-from vibrafeed.app.jobs.errors import LostLedgerError, LostStoreError
+from vibrafeed.app.jobs.errors import DamagedLedgerError, LostLedgerError
 
 FILES = "The service has reached its limit of open files"
 HELD = "Another process holds the ledger"
 LOST = "The database of the ledger cannot be reached"
-UNAVAILABLE = "The object store of results cannot be used"
-PASSING = (FILES, HELD, LOST, UNAVAILABLE)  # soon, and by themselves
+DAMAGED = "The ledger is damaged"
+PASSING = (FILES, HELD, LOST, DAMAGED)  # soon and by themselves, or with the backup of the ledger
 
 
 # Why it cannot take more.
@@ -36,7 +36,7 @@ SQLITE = {
 
 
 def passes(error: OSError | sqlite3.OperationalError) -> bool:
-    """True if a storage error is likely to pass by itself, such as a full or busy disk."""
+    """True if a storage error says nothing of a study, which is tried again when it has passed."""
     return why(error) in PASSING
 
 
@@ -59,8 +59,8 @@ def why(error: OSError | sqlite3.Error) -> str:
     """Return the cause of a storage error in a few words for clients, without any path."""
     if isinstance(error, LostLedgerError):
         return LOST
-    if isinstance(error, LostStoreError):
-        return UNAVAILABLE
+    if isinstance(error, DamagedLedgerError):
+        return DAMAGED
     if isinstance(error, OSError):
         return STORAGE.get(error.errno or 0, "A file cannot be written")
     return next(

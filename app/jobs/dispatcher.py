@@ -1,39 +1,45 @@
-"""Dispatch of the blocks of an item of work to Dask, and the writing of its result."""
+"""Dispatch of the blocks of an item of work to workers, and the writing of its result."""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import time
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from vibrafeed.app.jobs import work
 from vibrafeed.app.jobs.cluster import Cluster
 from vibrafeed.app.jobs.errors import TornBlockError
-from vibrafeed.app.jobs.executor import Executor, LostError
-from vibrafeed.app.jobs.fair_queue import FairQueue, share_of
+from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.ledger import Ledger, Work
+from vibrafeed.app.jobs.process_pool import EndedError, ProcessPool
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.jobs.thread_pool import ThreadPool
-from vibrafeed.app.jobs.work_progress import WorkProgress
 from vibrafeed.app.settings import Settings
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.kinds import KINDS
 
 logger = logging.getLogger("vibrafeed.jobs")
 _T = TypeVar("_T")
 
 MAX_TORN = 3  # times that one block is found damaged
-# In times of a block: calls that last longer count as long, and leave one worker to short ones.
-LASTS = 10
-MORE = 4  # ratio of the numbers of blocks of a call and of the one that ended before
+MAX_DEATHS = 3  # workers that die of one call
 
 
 class TooLongError(VibrafeedError):
     """A study takes longer than a job may."""
+
+
+class WorkersDieError(VibrafeedError):
+    """A block takes its workers down."""
+
+
+def owner_of(item: Work) -> str:
+    """Return the account that an item of work is charged to: its owner, or itself without keys."""
+    return f"{OF_KEY}{item.asker}" if item.asker else item.key
 
 
 class RunningTime:
@@ -83,85 +89,56 @@ class _Progress:
     ----------
     item : Work
         The item.
-    seconds : float
-        Expected time of one of its blocks [s]: of the call that ended last, once one has.
-    blocks : int
-        Number of its blocks in one call of a worker.
+    computed : callable
+        Called with the computing time of each block [s].
     running : RunningTime
         Its running time, against its limit.
     done : int
         Number of its stored blocks.
-    began : float
+    began : float or None
         The `time.monotonic` at which the first block began [s].
-    first_note : asyncio.Task or None
-        Writes the first note into the ledger, which all others wait for.
+    noting : asyncio.Lock
+        Held while the progress is written into the ledger: one note after another.
     """
 
     item: Work
-    seconds: float
+    computed: Callable[[float], None]
     running: RunningTime
-    blocks: int = 1
     done: int = 0
-    began: float = 0.0
-    first_note: asyncio.Task[None] | None = None
+    began: float | None = None
+    noting: asyncio.Lock = field(default_factory=asyncio.Lock)
 
 
 class Dispatcher:
-    """Carries out items of work on a cluster.
+    """Carries out items of work on workers.
 
     Parameters
     ----------
-    ledger, store, cluster
+    ledger, store, workers
         Where progress is noted, where files are, and where the work runs.
-    thread_pool : ThreadPool
-        Runs calls that wait for the ledger or the disk.
     settings : Settings
         The service's.
-
-    Attributes
-    ----------
-    work_progress : WorkProgress
-        Receives reports of finished blocks.
-    executor : Executor
-        Runs the calls on workers.
-    trouble : str or None
-        The reason why results cannot be sent to the object store.
     """
 
     def __init__(
-        self,
-        ledger: Ledger,
-        store: Store,
-        cluster: Cluster,
-        thread_pool: ThreadPool,
-        settings: Settings,
+        self, ledger: Ledger, store: Store, workers: ProcessPool | Cluster, settings: Settings
     ):
-        """Dispatch the work of a ledger to a cluster; results go to the store."""
-        self._ledger, self._store = ledger, store
-        self._thread_pool, self._settings = thread_pool, settings
+        """Dispatch the work of a ledger to workers; results go to the store."""
+        self._ledger, self._store, self._workers = ledger, store, workers
+        self._settings = settings
         self._directory = str(settings.data_directory.resolve())
-        fair_queue = FairQueue(LASTS * settings.block_seconds)
-        self.trouble: str | None = None
-        self.executor = Executor(cluster, fair_queue, settings.grace_seconds)
-        self.work_progress = WorkProgress()
 
-    async def carry_out(self, item: Work, seconds: float) -> None:
+    async def carry_out(self, item: Work, computed: Callable[[float], None]) -> None:
         """Compute missing blocks of an item of work and write its result, within the time limit.
 
-        The item is a study that jobs wait for. `seconds` is the expected time of one of its blocks
-        [s]. Raises `TooLongError` beyond the time limit of a job; finished blocks are kept. If it
-        is cut off, workers are told to stop its blocks.
+        The item is a study that jobs wait for; `computed` is called with the seconds of each
+        block. Raises `TooLongError` beyond the time limit of a
+        job; finished blocks are kept.
         """
         most = self._settings.max_job_seconds
         try:
             async with asyncio.timeout(None) as limit:
-                try:
-                    await self._compute_and_write(
-                        _Progress(item, seconds, RunningTime(most, limit))
-                    )
-                except BaseException:
-                    self._store.give_up(item.key, item.owner)
-                    raise
+                await self._compute_and_write(_Progress(item, computed, RunningTime(most, limit)))
         except TimeoutError as error:
             if not limit.expired():
                 raise
@@ -173,38 +150,11 @@ class Dispatcher:
     async def is_there(self, item: Work) -> bool:
         """True if the complete result of a study exists on disk, so that it need not be computed.
 
-        The result is then uploaded to the object store, if one is configured, and blocks that were
-        stored while it was computed are removed. `item` is the item of work: the study that jobs
-        wait for.
-
-        Raises
-        ------
-        LostError
-            If the upload fails; the item is then tried again later.
+        Blocks that were stored while it was computed are then removed. `item` is the item of work:
+        the study that jobs wait for.
         """
-        await self._thread_pool(self._store.drop_blocks, item.key)
-        if await self._thread_pool(self._store.manifest, item.key) is None:
-            return False
-        await self._send(item)
-        return True
-
-    async def _send(self, item: Work) -> None:
-        """Upload the result of a study to the object store; do nothing if none is configured.
-
-        `item` is the item of work whose result is complete on disk. `self.trouble` is set to a
-        sentence for the status page if the upload fails, and to None if it succeeds.
-
-        Raises
-        ------
-        LostError
-            If the upload fails; the item is then tried again later.
-        """
-        try:
-            await asyncio.to_thread(self._store.send, item.key)
-        except OSError as error:
-            self.trouble = "a result cannot be sent to VIBRAFEED_RESULTS_URL; the log says why"
-            raise LostError(f"the result cannot be copied to the object store: {error}") from error
-        self.trouble = None
+        await asyncio.to_thread(self._store.drop_blocks, item.key)
+        return await asyncio.to_thread(self._store.manifest, item.key) is not None
 
     async def _compute_and_write(self, progress: _Progress) -> None:
         """Compute missing blocks of an item and write its result; repeat while any is damaged.
@@ -219,93 +169,72 @@ class Dispatcher:
         while True:
             if await self.is_there(item):
                 return
-            missing = await self._thread_pool(
-                work.missing_blocks, self._directory, *about, item.blocks
-            )
+            missing = await self._on_worker(progress, work.missing_blocks, *about, item.blocks)
             spent += await self._compute(progress, missing)
             try:
-                await self._on_worker(progress, 1, work.write_result, *about, spent)
+                await self._on_worker(progress, work.write_result, *about, spent)
             except TornBlockError as error:
                 torn[str(error)] += 1
                 if torn[str(error)] == MAX_TORN:
                     raise
                 logger.warning("a block is computed again: %s", error, extra={"key": item.key})
             else:
-                await self._send(item)
                 return
 
     async def _compute(self, progress: _Progress, missing: list[int]) -> float:
-        """Compute blocks of an item on the cluster, two calls per worker at a time; return seconds.
+        """Compute blocks of an item, two calls per worker at a time; return seconds.
 
         `missing` are the numbers of the blocks. The seconds [s] are summed over all workers;
-        `progress`, the ledger and observers are updated after each call. If one fails or this is
+        `progress`, the ledger and observers are updated after each block. If one fails or this is
         cancelled, the others are cancelled.
         """
-        item, total = progress.item, 0.0
+        item = progress.item
         progress.done = max(0, item.blocks - len(missing))
-        waiting = deque(missing)
-        running: dict[asyncio.Task[list[float]], list[int]] = {}
-        finished: set[asyncio.Task[list[float]]] = set()
+        waiting = iter(missing)
+
+        async def take() -> float:
+            total = 0.0
+            for index in waiting:
+                seconds = await self._on_worker(
+                    progress, work.compute_block, item.key, item.process, item.block_cells, index,
+                    code_version(),
+                )  # fmt: skip
+                progress.computed(seconds)
+                progress.done += 1
+                total += seconds
+                await self._note(progress, seconds)
+            return total
+
+        await self._workers.prepare()
+        # Half of them wait for their turn; no worker is to wait for them.
+        calls = [asyncio.create_task(take()) for _ in range(2 * self._workers.fair_queue.slots)]
         try:
-            while True:
-                # Most of them wait for their turn; no worker is to wait for them.
-                calls = max(1, 2 * self.executor.workers)
-                while waiting and len(running) < calls:
-                    count = min(progress.blocks, max(1, len(waiting) // calls))
-                    indices = [waiting.popleft() for _ in range(count)]
-                    call = self._on_worker(
-                        progress, count, work.compute_blocks, item.key, item.process,
-                        item.block_cells, indices, item.owner, self._settings.block_seconds,
-                    )  # fmt: skip
-                    running[asyncio.create_task(call)] = indices
-                if not running:
-                    return total
-                finished, _ = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
-                seconds: list[float] = []
-                for task in finished:
-                    indices, took = running.pop(task), task.result()
-                    waiting.extendleft(reversed(indices[len(took) :]))
-                    self._plan_calls(progress, took)
-                    seconds += took
-                self.work_progress.computed(item, seconds)
-                progress.done += len(seconds)
-                total += sum(seconds)
-                await self._note(progress, sum(seconds))
+            return sum(await asyncio.gather(*calls))
         finally:
-            for task in running:
-                task.cancel()
-            await asyncio.gather(*running, *finished, return_exceptions=True)
-
-    def _plan_calls(self, progress: _Progress, took: list[float]) -> None:
-        """Let the next calls of an item have as many blocks as a worker computes in a block's time.
-
-        A call takes some 10 ms of this server and of a worker besides, and blocks that turn out
-        shorter than they were priced would take less than that each. `took` are the times of the
-        blocks of a call that has ended [s].
-        """
-        if progress.item.process not in KINDS:  # those of an accuracy report differ
-            return
-        progress.seconds = sum(took) / len(took)
-        fitting = int(self._settings.block_seconds / max(progress.seconds, 1e-6))
-        progress.blocks = max(1, min(fitting, MORE * len(took)))
+            for call in calls:
+                call.cancel()
+            await asyncio.gather(*calls, return_exceptions=True)
 
     async def _on_worker(
-        self, progress: _Progress, blocks: int, function: Callable[..., _T], *arguments: Any
+        self, progress: _Progress, function: Callable[..., _T], *arguments: Any
     ) -> _T:
-        """Run a function on a worker of the cluster and return its result.
+        """Run a function on a worker when its turn comes, and return its result.
 
-        The time limit of the item runs only while a worker executes the call, not while the call
-        waits for a free worker.
+        The time limit of the item runs only while a worker executes the call. A call that is given
+        up gets a grace period to end by itself.
 
         Parameters
         ----------
         progress : _Progress
-            The item of work (a study), its running time, and the expected time of one block [s].
-        blocks : int
-            Number of blocks in whose expected time the call ends.
+            The item of work (a study), and its running time.
         function : callable
             A function of `vibrafeed.app.jobs.work`, which is called with the data directory and
             `arguments`.
+
+        Raises
+        ------
+        WorkersDieError
+            If the call crashes its workers.
         """
         has_begun = False
 
@@ -315,19 +244,28 @@ class Dispatcher:
             if not has_begun:  # it begins again on another worker, if the first dies
                 progress.running.begin()
             has_begun = True
-            if progress.first_note is None:
+            if progress.began is None:
                 progress.began = time.monotonic()
-                progress.first_note = asyncio.create_task(self._note(progress, 0.0))
-            await asyncio.shield(progress.first_note)  # before any other note
+                await self._note(progress, 0.0)
 
-        share, seconds = share_of(progress.item), blocks * progress.seconds
-        try:
-            return await self.executor.run(
-                share, seconds, began, function, self._directory, *arguments
-            )
-        finally:
-            if has_begun:
-                progress.running.end()
+        await self._workers.prepare()
+        item = progress.item
+        seconds = item.price / max(1, item.blocks)
+        async with self._workers.fair_queue.slot(owner_of(item), seconds):
+            try:
+                for _ in range(MAX_DEATHS):
+                    with contextlib.suppress(EndedError):  # perhaps of something else
+                        return await self._workers(
+                            function, self._directory, *arguments,
+                            began=began, grace=self._settings.grace_seconds,
+                        )  # fmt: skip
+            finally:
+                if has_begun:
+                    progress.running.end()
+        raise WorkersDieError(
+            "The job failed: a block crashed every worker that ran it, perhaps because memory ran "
+            "out. Post a smaller study, or give the workers more memory."
+        )
 
     async def _note(self, progress: _Progress, seconds: float) -> None:
         """Write the number of finished blocks of an item into the ledger, for its jobs to show.
@@ -335,7 +273,9 @@ class Dispatcher:
         `seconds` is the computing time since the last note [s], summed over workers. `progress` has
         the item, the number, and when the first block began.
         """
-        await self._thread_pool(
-            self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
-            elapsed=time.monotonic() - progress.began,
-        )  # fmt: skip
+        assert progress.began is not None
+        async with progress.noting:
+            await asyncio.to_thread(
+                self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
+                elapsed=time.monotonic() - progress.began,
+            )  # fmt: skip

@@ -45,12 +45,8 @@ class LostLedgerError(OSError):
     """The database of the ledger cannot be reached; it is not on this machine's disk."""
 
 
-class LostStoreError(OSError):
-    """The object store in which results are kept cannot be used."""
-
-
-class FetchingError(VibrafeedError):
-    """A result is on its way from the object store."""
+class DamagedLedgerError(OSError):
+    """The database of the ledger does not hold what was written to it."""
 
 
 class LaterLedgerError(VibrafeedError):

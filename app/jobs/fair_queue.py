@@ -1,8 +1,8 @@
-"""The fair queue of blocks for places on the workers.
+"""The one queue for the processes that compute, for what is answered at once and for jobs.
 
-Fair shares: the next place goes to the block that would be over first if all shares had the same
-part of the workers' time from the moment that they came (weighted fair queueing). What is small
-starts within about a block's time, and what is long goes on, however much small work comes.
+Fair shares: the next slot goes to the call that would be over first if all owners had the same
+part of the time from the moment that they came (weighted fair queueing). So owners take turns, what
+is small starts soon, and what is long goes on, however much small work comes.
 """
 
 from __future__ import annotations
@@ -10,26 +10,21 @@ from __future__ import annotations
 import asyncio
 import itertools
 import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
-from vibrafeed.app.jobs.ledger import Work
-
-
-def share_of(item: Work) -> str:
-    """Return the account that an item of work is charged to: its owner, or itself without keys.
-
-    Work of one share takes turns in the order of asking.
-    """
-    return f"owner {item.asker}" if item.asker else item.key
+OF_KEY = "key "  # begins the name of an owner who has a key
+SHORT = 0.5  # s; calls that take longer leave one slot to those that do not
 
 
 @dataclass(eq=False)
 class Slot:
-    """A place on a worker that somebody has.
+    """A slot that somebody has: the owner, its expected time [s], and since when [s, monotonic].
 
     Attributes
     ----------
-    share : str
+    owner : str
         On whose account.
     seconds : float
         How long it is expected to be taken.
@@ -37,31 +32,38 @@ class Slot:
         The `time.monotonic` at which it was taken.
     """
 
-    share: str
+    owner: str
     seconds: float
     since: float = field(default_factory=time.monotonic)
 
+    @property
+    def is_long(self) -> bool:
+        """True if the call is expected to be long, or turns out to be."""
+        return max(self.seconds, time.monotonic() - self.since) > SHORT
+
 
 class FairQueue:
-    """Gives out places on workers (slots), one for each block that can run at a time.
+    """Gives out slots, one for each call that can run at a time.
 
-    If there are two slots or more, long calls leave one of them to short calls: they cannot be
-    interrupted.
+    If there are several, one of them is left to short calls, as no call can be interrupted; and one
+    owner never has all of them.
 
     Parameters
     ----------
-    longest : float
-        A call that takes more than this time [s] is long.
+    slots : int
+        The number of slots.
+    of_owner : int, optional
+        The most slots of one owner; by default all but one.
     """
 
-    def __init__(self, longest: float):
-        """Begin with one slot; work of more than `longest` seconds counts as long."""
-        self._longest = longest
-        self._slots = 1
+    def __init__(self, slots: int, of_owner: int | None = None):
+        """Give out a number of slots."""
+        self.slots = slots
+        self._of_owner = of_owner
         self._taken: list[Slot] = []
         self._waiting: list[tuple[int, str, float, asyncio.Future[Slot]]] = []
-        self._had: dict[str, float] = {}  # seconds of each share that is here
-        self._due = 0.0  # seconds that each share would have had that was here from the start
+        self._had: dict[str, float] = {}  # seconds of each owner that is here
+        self._due = 0.0  # seconds that an owner would have had that was here from the start
         self._number = itertools.count()
 
     @property
@@ -69,24 +71,32 @@ class FairQueue:
         """True if somebody waits for a slot."""
         return bool(self._waiting)
 
+    @property
+    def taken(self) -> int:
+        """The number of slots that are taken."""
+        return len(self._taken)
+
     def resize(self, slots: int) -> None:
-        """Set the number of slots; there is one before any worker is known."""
-        self._slots = max(1, slots)
+        """Set the number of slots."""
+        self.slots = slots
         self._hand_out()
 
-    async def take(self, share: str, seconds: float) -> Slot:
-        """Wait for a slot, a place on a worker, and return it.
+    @asynccontextmanager
+    async def slot(self, owner: str, seconds: float = 0.0) -> AsyncIterator[None]:
+        """Wait for a slot and hold it during the block; `seconds` is the expected time [s]."""
+        slot = await self._take(owner, seconds)
+        try:
+            yield
+        finally:
+            self._leave(slot)
 
-        The next free slot goes to the account that has had the least time so far. `share` is the
-        account that is charged, and `seconds` the expected time of use [s]. A caller that is
-        cancelled gets none, and gives back a slot that it has just got.
-        """
+    async def _take(self, owner: str, seconds: float) -> Slot:
         # `_due` is the time that an account which was always here would have had: a new one begins
         # there, with neither a debt nor a claim to slots that others used before it came.
-        if share not in self._had:
-            self._had[share] = max(self._due, min(self._had.values(), default=0.0))
+        if owner not in self._had:
+            self._had[owner] = max(self._due, min(self._had.values(), default=0.0))
         got: asyncio.Future[Slot] = asyncio.get_running_loop().create_future()
-        asked = (next(self._number), share, seconds, got)
+        asked = (next(self._number), owner, seconds, got)
         self._waiting.append(asked)
         self._hand_out()
         try:
@@ -95,59 +105,42 @@ class FairQueue:
             if asked in self._waiting:
                 self._waiting.remove(asked)
             if got.done() and not got.cancelled():
-                self.leave(got.result())
-            self._forget(share)
+                self._leave(got.result())
+            self._forget(owner)
             raise
 
-    def leave(self, slot: Slot) -> None:
-        """Free a slot and give it to the next call that waits.
-
-        The account of the slot, which was charged for the expected time, is charged for the time
-        that it was really used.
-        """
+    def _leave(self, slot: Slot) -> None:
         self._taken.remove(slot)
         used = time.monotonic() - slot.since
-        self._had[slot.share] += used - slot.seconds  # it was charged for what was expected
+        self._had[slot.owner] += used - slot.seconds  # it was charged for what was expected
         self._due += used / len(self._had)
-        self._forget(slot.share)
+        self._forget(slot.owner)
         self._hand_out()
 
     def _hand_out(self) -> None:
-        """Give free slots to waiting calls, so that every account gets an equal share of time.
-
-        A slot is a place on a worker; an account is that of an API key. The next call is the one
-        whose account would have had the least time with it [s], and among equals the first that
-        asked. A long call gets no slot while long calls hold all slots but one, which stays free
-        for short ones.
-        """
         # Who was cancelled stays here until its task runs again.
         self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
-        while self._waiting and len(self._taken) < self._slots:
-            lasting = sum(self._is_long(slot.seconds, slot) for slot in self._taken)
-            no_more = self._slots > 1 and lasting >= self._slots - 1
-            fits = [
-                waiter for waiter in self._waiting if not (no_more and self._is_long(waiter[2]))
-            ]
+        while len(self._taken) < self.slots:
+            fits = [waiter for waiter in self._waiting if self._fits(waiter[1], waiter[2])]
             if not fits:
                 return
             chosen = min(fits, key=lambda waiter: (self._had[waiter[1]] + waiter[2], waiter[0]))
             self._waiting.remove(chosen)
-            _, share, seconds, got = chosen
-            slot = Slot(share, seconds)
+            _, owner, seconds, got = chosen
+            slot = Slot(owner, seconds)
             self._taken.append(slot)
-            self._had[share] += seconds
+            self._had[owner] += seconds
             got.set_result(slot)
 
-    def _is_long(self, seconds: float, slot: Slot | None = None) -> bool:
-        """True if work counts as long, by its expected time or the time it has run."""
-        run = 0.0 if slot is None else time.monotonic() - slot.since
-        return max(seconds, run) > self._longest
+    def _fits(self, owner: str, seconds: float) -> bool:
+        """True if a slot is left for a call beside those that its owner has, and the long ones."""
+        most = max(1, self.slots - 1)
+        own = sum(slot.owner == owner for slot in self._taken)
+        long = sum(slot.is_long for slot in self._taken)
+        return own < (self._of_owner or most) and (seconds <= SHORT or long < most)
 
-    def _slots_of(self, share: str) -> int:
-        """Return the number of slots that an account uses."""
-        return sum(place.share == share for place in self._taken)
-
-    def _forget(self, share: str) -> None:
-        """Remove the record of an account that neither uses a slot nor waits."""
-        if not self._slots_of(share) and all(one[1] != share for one in self._waiting):
-            self._had.pop(share, None)
+    def _forget(self, owner: str) -> None:
+        """Remove the record of an owner who neither uses a slot nor waits."""
+        taken = any(slot.owner == owner for slot in self._taken)
+        if not taken and all(waiter[1] != owner for waiter in self._waiting):
+            self._had.pop(owner, None)

@@ -2,113 +2,59 @@
 
 from __future__ import annotations
 
-import asyncio
-import errno
 import hashlib
 import os
-import threading
-from collections import OrderedDict
-from concurrent.futures import ThreadPoolExecutor
 from io import FileIO
-from pathlib import Path
 
-PIECE = 1 << 20  # bytes that are read at a time for a digest
-# Bytes; larger files are read by a thread of their own, so that small ones, which take some
-# milliseconds, do not wait for them.
+from anyio import CapacityLimiter
+from anyio.to_thread import run_sync
+
+# Bytes; larger files are read one at a time, so that small ones, which take some milliseconds, do
+# not wait for them.
 LARGE = 8 << 20
 MAX_KNOWN = 100_000  # files that are remembered as intact
 
 
 class Integrity:
-    """Compares files with their digests, on threads of its own; remembers those that agree.
+    """Compares files with their digests; remembers those that agree.
 
     Threads may use it at the same time.
     """
 
     def __init__(self) -> None:
-        """Begin without any checked file, with threads of its own."""
-        self._lock = threading.Lock()
-        self._known: OrderedDict[tuple[int | str, ...], None] = OrderedDict()
-        self._small = ThreadPoolExecutor(1, thread_name_prefix="digests")
-        self._large = ThreadPoolExecutor(1, thread_name_prefix="large-digests")
-
-    def close(self) -> None:
-        """Stop checking files and end the threads."""
-        for lane in (self._small, self._large):
-            lane.shutdown(wait=False, cancel_futures=True)
+        """Begin without any checked file."""
+        self._known: set[tuple[int | str, ...]] = set()
+        self._one_small, self._one_large = CapacityLimiter(1), CapacityLimiter(1)
 
     async def is_intact(self, file: FileIO, digest: str) -> bool:
-        """True if an open file has the given SHA-256.
-
-        It is read in a thread, without blocking the loop. `digest` is in hexadecimal. A file that
-        was intact and has not changed since is not read again.
-        """
-        status = os.fstat(file.fileno())
-        if self._knows(_mark(status, digest)):
-            return True
-        # A name of the thread's own for the file: whoever asks may be gone before it ends.
-        own = FileIO(os.dup(file.fileno()))
-        lane = self._large if status.st_size > LARGE else self._small
-        looking = lane.submit(self.look, own, digest)
-        looking.add_done_callback(lambda _: own.close())
-        return await asyncio.wrap_future(looking)
+        """True if an open file has the given SHA-256, as `look` finds in a thread."""
+        is_large = os.fstat(file.fileno()).st_size > LARGE
+        limiter = self._one_large if is_large else self._one_small
+        return await run_sync(self.look, file, digest, limiter=limiter)
 
     def look(self, file: FileIO, digest: str) -> bool:
-        """True if an open file has the given SHA-256; the file is read in the calling thread.
+        """True if a file that was just opened has the given SHA-256; reads it in this thread.
 
         `digest` is in hexadecimal. A file that was intact and has not changed since (by inode, size
         and time of change) is not read again.
         """
-        mark = _mark(os.fstat(file.fileno()), digest)
-        if self._knows(mark):
+        mark = _mark(file, digest)
+        if mark in self._known:
             return True
         if _digest(file) != digest:
             return False
-        # What was changed while it was read is looked at again.
-        if _mark(os.fstat(file.fileno()), digest) == mark:
-            with self._lock:
-                self._known[mark] = None
-                while len(self._known) > MAX_KNOWN:
-                    self._known.popitem(last=False)
+        if _mark(file, digest) == mark:  # else it was changed while it was read
+            if len(self._known) >= MAX_KNOWN:
+                self._known.clear()
+            self._known.add(mark)
         return True
-
-    def _knows(self, mark: tuple[int | str, ...]) -> bool:
-        """True if this version of a file has been read before and agreed with its digest.
-
-        `mark` identifies the version, as `_mark` returns it.
-        """
-        with self._lock:
-            if mark not in self._known:
-                return False
-            self._known.move_to_end(mark)
-            return True
-
-
-def has_digest(path: Path, digest: str) -> bool:
-    """True if a file exists and has the given SHA-256 in hexadecimal; always reads the whole file.
-
-    False, too, if the disk cannot read the file back (`EIO`); other errors are raised as `OSError`.
-    """
-    try:
-        with path.open("rb", buffering=0) as file:
-            return _digest(file) == digest
-    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
-        return False
-    except OSError as error:
-        if error.errno == errno.EIO:
-            return False
-        raise
 
 
 def _digest(file: FileIO) -> str:
-    """Return the SHA-256 of an open file, leaving its read position unchanged."""
-    found, start = hashlib.sha256(), 0
-    while piece := os.pread(file.fileno(), PIECE, start):
-        found.update(piece)
-        start += len(piece)
-    return found.hexdigest()
+    return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _mark(status: os.stat_result, digest: str) -> tuple[int | str, ...]:
+def _mark(file: FileIO, digest: str) -> tuple[int | str, ...]:
     """Return the identity of a file's version: device, inode, size, time of change, digest."""
+    status = os.fstat(file.fileno())
     return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, digest

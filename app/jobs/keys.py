@@ -16,9 +16,9 @@ import time
 import uuid
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
-from sqlalchemy import Row, select
+from sqlalchemy import select
 
 from vibrafeed.app.jobs import audit
 from vibrafeed.app.jobs.database import Database
@@ -32,7 +32,6 @@ Role = Literal["read", "run", "admin"]
 ROLES = get_args(Role)
 NAME = re.compile(r"[A-Za-z0-9._-]{1,40}")
 LOOK = 1.0  # s between looks at the ledger, in which keys may have been made or withdrawn
-SHOWN = 8  # digits of a hash that name a key of the settings
 DAY = 86_400.0  # s
 MOST = 10**18  # of a limit: what any database holds
 MAX_DAYS = 36_500  # days that a key may be in force: a hundred years
@@ -94,7 +93,7 @@ class NoSuchKeyError(VibrafeedError):
 
 
 def new_key() -> tuple[str, str]:
-    """Return a new random key and its hash, in the form of the setting `api_key_hashes`."""
+    """Return a new random key and its hash."""
     key = f"vf_{secrets.token_urlsafe(32)}"
     return key, hash_of(key)
 
@@ -105,20 +104,17 @@ def hash_of(key: str) -> str:
 
 
 class Keys:
-    """The keys of the ledger and of the settings; threads may use it at the same time.
+    """The keys of the ledger; threads may use it at the same time.
 
     Parameters
     ----------
     database : Database
         The ledger's.
-    hashes : iterable of str
-        Of the settings: keys that are in force for ever, of role admin.
     """
 
-    def __init__(self, database: Database, hashes: Iterable[str] = ()):
-        """Use the keys of a database, and those of the settings by their hashes."""
+    def __init__(self, database: Database):
+        """Use the keys of a database."""
         self._database = database
-        self._set = [Key(word[:SHOWN], "admin", hash=word) for word in hashes]
         self._lock = threading.Lock()
         self._known: list[Key] | None = None  # None: never looked
         self._looked = 0.0
@@ -168,8 +164,9 @@ class Keys:
 
     def all(self) -> list[Key]:
         """Return all keys in the ledger, including expired and withdrawn ones, oldest first."""
-        found = select(KEYS).order_by(KEYS.c.created, KEYS.c.id)
-        return [_key(row) for row in self._database.read(found)]
+        found = select(*(column for column in KEYS.c if column.name != "id"))
+        rows = self._database.read(found.order_by(KEYS.c.created, KEYS.c.id))
+        return [Key(**row._mapping) for row in rows]
 
     def note_refused(self, address: str, name: str) -> None:
         """Write into the audit log that a key was refused: its address, and its name if known."""
@@ -211,7 +208,7 @@ class Keys:
     @property
     def are_needed(self) -> bool:
         """True if requests need a key: one exists or has ever existed."""
-        return bool(self._set or self._known)
+        return bool(self._known)
 
     def of_hash(self, digest: str) -> Key | None:
         """Return the API key with a hash, in force or not; None if there is none.
@@ -220,17 +217,10 @@ class Keys:
         """
         match = None
         # Every hash is compared, so that the time taken tells nothing of which one came near.
-        for key in (*(self._known or ()), *self._set):
+        for key in self._known or ():
             if secrets.compare_digest(key.hash, digest):
                 match = key
         return match
-
-
-def _key(row: Row[*tuple[Any, ...]]) -> Key:
-    """Return the key in a row of the ledger."""
-    fields = dict(row._mapping)
-    del fields["id"]
-    return Key(**fields)
 
 
 def _problems_of(key: Key, days: float | None) -> list[Problem]:

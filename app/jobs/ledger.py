@@ -13,23 +13,135 @@ import json
 import sqlite3
 import time
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, func, select, true
+from sqlalchemy import ColumnElement, Connection, Row, exists, func, or_, select, true, tuple_
 from sqlalchemy.sql.expression import Insert, Select
 
 from vibrafeed.app.jobs.database import Database
-from vibrafeed.app.jobs.disk import why
-from vibrafeed.app.jobs.entries import ACTIVE, STATES, Job, Queue, Wanted, Work
+from vibrafeed.app.jobs.disk import DAMAGED, why
 from vibrafeed.app.jobs.errors import QueueFullError
-from vibrafeed.app.jobs.queries import JOB, conditions, job_of
-from vibrafeed.app.jobs.tables import JOBS, VERSION, WORK
+from vibrafeed.app.jobs.tables import AUDIT, JOBS, KEYS, OWNED_STUDIES, SIZES, VERSION, WORK
 
-__all__ = ["ACTIVE", "STATES", "Job", "Ledger", "Queue", "Wanted", "Work"]
+ACTIVE = ("accepted", "running")
+STATES = (*ACTIVE, "successful", "failed", "dismissed")
+TICK = 1e-6  # s between the times of entry of two jobs, at least
 
+
+@dataclass(frozen=True)
+class Wanted:
+    """The filter of a list of jobs; a field that is empty or None does not restrict the list.
+
+    Attributes
+    ----------
+    processes, states : tuple
+        Names of which a job has to have one.
+    created : pair of float or None
+        Times between which a job was entered [s since the epoch].
+    seconds : pair of int or None
+        Least and largest time from a job's beginning to its end, or until now [s].
+    seen_by : str or None
+        Name of a key: jobs that it owns, and shared ones.
+    """
+
+    processes: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    created: tuple[float | None, float | None] = (None, None)
+    seconds: tuple[int | None, int | None] = (None, None)
+    seen_by: str | None = None
+
+
+@dataclass(frozen=True)
+class Job:
+    """A job as a client posted it; times in seconds since the epoch.
+
+    Attributes
+    ----------
+    done : int
+        Blocks that have been computed.
+    began, done_then : float or None, int
+        When the server that works on it took it up, and how many blocks were there then.
+    seconds : float
+        Time that computing took, summed over all workers.
+    problem : mapping or None
+        Why it failed: status, kind, title, detail of a problem document.
+    owner : str
+        Name of the key that it was posted with; empty where none was needed.
+    shared : bool
+        True if all keys may read the job and its results.
+    gone : bool
+        Whether its result has made room for others of its owner, or of the service.
+    """
+
+    id: str
+    key: str
+    process: str
+    state: str
+    cells: int
+    blocks: int
+    done: int
+    created: float
+    started: float | None
+    finished: float | None
+    seconds: float
+    problem: Mapping[str, Any] | None
+    began: float | None = None
+    done_then: int = 0
+    owner: str = ""
+    shared: bool = False
+    gone: bool = False
+
+
+@dataclass(frozen=True)
+class Work:
+    """An item of work: what one or more jobs of equal studies need to have computed.
+
+    Attributes
+    ----------
+    key, process : str
+        The study's identifier, and what is carried out.
+    block_cells, blocks : int
+        Cells of a block, and number of blocks.
+    seconds : float
+        Computing time so far [s], summed over workers.
+    owner : str
+        The claim, under which a server holds the lease; empty if no server does.
+    asker : str
+        Name of the key whose job has waited longest for it.
+    price : float
+        Expected time of computing it on one core [s].
+    """
+
+    key: str
+    process: str
+    block_cells: int
+    blocks: int
+    seconds: float
+    owner: str
+    asker: str = ""
+    price: float = 0.0
+
+
+@dataclass(frozen=True)
+class Queue:
+    """The items of work: those that wait, those under way, the age of the oldest that waits [s]."""
+
+    waiting: int
+    running: int
+    oldest: float
+
+
+JOB = select(
+    JOBS,
+    func.coalesce(WORK.c.done, 0).label("done"),
+    func.coalesce(WORK.c.seconds, 0).label("spent"),
+    WORK.c.began,
+    func.coalesce(WORK.c.done_then, 0).label("done_then"),
+).select_from(JOBS.outerjoin(WORK, WORK.c.key == JOBS.c.key))
 
 # With the owner of the job that has waited longest.
 _WORK = select(
@@ -74,12 +186,19 @@ class Ledger:
         return self.database.transaction()
 
     def fault(self) -> str | None:
-        """Return the reason why the ledger cannot be read, or None."""
+        """Return the reason why the ledger cannot be read, or None; damage once found stays one."""
+        if self.database.is_damaged:
+            return f"{DAMAGED}: restore the backup."
         try:
             self._read(select(VERSION))
         except (OSError, sqlite3.Error) as error:
             return f"{why(error)}."
         return None
+
+    def is_empty(self) -> bool:
+        """True if it holds no job, key, study or entry of the audit log."""
+        entered = or_(*(exists().select_from(one) for one in (JOBS, KEYS, OWNED_STUDIES, AUDIT)))
+        return not self._read(select(entered))[0][0]
 
     def _read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
         return self.database.read(statement)
@@ -150,6 +269,9 @@ class Ledger:
         state = "successful" if is_there else "accepted"
         started = finished = now if is_there else None
         with self.transaction() as database:
+            # The order of entry is that of the list, also where the clock has been set back.
+            latest = database.execute(select(func.max(JOBS.c.created))).scalar_one()
+            created = now if latest is None else max(now, latest + TICK)
             if not is_there:
                 found = select(WORK.c.began, WORK.c.blocks).where(WORK.c.key == key)
                 row = database.execute(found).one_or_none()
@@ -166,7 +288,7 @@ class Ledger:
             database.execute(
                 JOBS.insert().values(
                     id=number, key=key, process=process, state=state, cells=cells, blocks=blocks,
-                    created=now, started=started, finished=finished, seconds=finished_seconds,
+                    created=created, started=started, finished=finished, seconds=finished_seconds,
                     owner=owner, shared=0, gone=0, done_at_end=None,
                 )
             )  # fmt: skip
@@ -213,19 +335,19 @@ class Ledger:
         rows = self._read(JOB.where(JOBS.c.id == number))
         return job_of(rows[0]) if rows else None
 
-    def by_number(self, numbers: Sequence[str]) -> dict[str, Job]:
-        """Return those of some jobs that exist, by their identifiers."""
-        rows = self._read(JOB.where(JOBS.c.id.in_(numbers)))
-        return {row.id: job_of(row) for row in rows}
+    def jobs(
+        self, wanted: Wanted | None = None, *, limit: int, after: tuple[float, str] | None = None
+    ) -> list[Job]:
+        """Return `limit` jobs that match a filter, newest first; None matches all jobs.
 
-    def jobs(self, wanted: Wanted | None = None, *, limit: int, offset: int = 0) -> list[Job]:
-        """Return `limit` jobs that match a filter, newest first, after the first `offset`.
-
-        `wanted` is the filter; None matches all jobs.
+        `after` is the time of entry and the identifier of a job: the list goes on behind it.
         """
+        place = tuple_(JOBS.c.created, JOBS.c.id)
         chosen = JOB.where(*conditions(wanted or Wanted()))
-        latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id)
-        return [job_of(row) for row in self._read(latest.limit(limit).offset(offset))]
+        if after is not None:
+            chosen = chosen.where(place < after)
+        latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id.desc())
+        return [job_of(row) for row in self._read(latest.limit(limit))]
 
     def dismiss(self, number: str) -> Job | None:
         """Mark a job as dismissed by its client, and return it; None if there is no such job.
@@ -369,21 +491,14 @@ class Ledger:
                     .values(state="running", started=now)
                 )
 
-    def succeed(self, work: Work) -> None:
-        """Record that the result of an item is on disk: its jobs are successful."""
-        self._end(work, "successful", None)
+    def end(self, work: Work, problem: Mapping[str, Any] | None, bytes_: int) -> None:
+        """Remove an item of work whose result is on the disk, or that failed, and end its jobs.
 
-    def fail(self, work: Work, problem: Mapping[str, Any]) -> None:
-        """Record that an item failed, with the problem: its jobs have failed."""
-        self._end(work, "failed", json.dumps(dict(problem)))
-
-    def _end(self, work: Work, state: str, problem: str | None) -> None:
-        """Remove an item of work, and set the final state of its jobs.
-
-        Nothing happens if this server's claim on the item is lost. `state` is `successful` or
-        `failed`; `problem` is the JSON of a problem document that says why it failed, or None.
+        Nothing happens if this server's claim on the item is lost. `problem` is the problem
+        document that says why it failed, or None; `bytes_` is the size of all files of the study.
         """
         now = time.time()
+        state = "successful" if problem is None else "failed"
         with self.transaction() as database:
             ended = database.execute(
                 WORK.delete().where(_claimed(work)).returning(WORK.c.seconds, WORK.c.done)
@@ -399,9 +514,10 @@ class Ledger:
                         finished=now,
                         seconds=ended.seconds,
                         done_at_end=ended.done,
-                        problem=problem,
+                        problem=None if problem is None else json.dumps(dict(problem)),
                     )
                 )
+                database.execute(SIZES.update().where(SIZES.c.key == work.key).values(bytes=bytes_))
 
     def release(self, owner: str = "") -> None:
         """Release leases of items of work, so that any server may claim these items at once.
@@ -472,3 +588,67 @@ def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
 
 def _claimed(work: Work) -> ColumnElement[bool]:
     return (WORK.c.key == work.key) & (WORK.c.owner == work.owner)
+
+
+def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
+    """Return the SQL conditions of a filter of jobs, all of which a job has to meet.
+
+    A field of `wanted` that is empty or None gives none.
+    """
+    # What has not begun has no duration.
+    seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
+    (after, before), (least, most) = wanted.created, wanted.seconds
+    clauses: list[ColumnElement[bool]] = []
+    if wanted.seen_by is not None:
+        clauses.append((JOBS.c.owner == wanted.seen_by) | (JOBS.c.shared == 1))
+    if wanted.processes:
+        clauses.append(JOBS.c.process.in_(wanted.processes))
+    if wanted.states:
+        clauses.append(JOBS.c.state.in_(wanted.states))
+    # A job is told the millisecond in which it was entered, and is found by it.
+    if after is not None:
+        clauses.append(JOBS.c.created >= after - TICK / 2)
+    if before is not None:
+        clauses.append(JOBS.c.created < before + 1e-3 - TICK / 2)
+    if least is not None:
+        clauses.append(seconds >= least)
+    if most is not None:
+        clauses.append(seconds <= most)
+    return clauses
+
+
+def job_of(row: Row[*tuple[Any, ...]]) -> Job:
+    """Return the job in a row of the ledger: the columns of `JOB`, a job joined with its work."""
+    over = row.state not in ACTIVE
+    return Job(
+        id=row.id,
+        key=row.key,
+        process=row.process,
+        state=row.state,
+        cells=row.cells,
+        blocks=row.blocks,
+        done=_done(row),
+        created=row.created,
+        started=row.started,
+        finished=row.finished,
+        # What has not begun has taken nothing, though it may find a result that has.
+        seconds=(row.seconds or 0.0) if over else row.spent * (row.state == "running"),
+        problem=json.loads(row.problem) if row.problem else None,
+        began=None if over else row.began,
+        done_then=row.done_then,
+        owner=row.owner,
+        shared=bool(row.shared),
+        gone=bool(row.gone),
+    )
+
+
+def _done(row: Row[*tuple[Any, ...]]) -> int:
+    """Return the number of finished blocks of the job in a row; of an ended job, that at its end.
+
+    `row` has the columns of `JOB`, a job joined with its work.
+    """
+    if row.state == "successful":
+        return int(row.blocks)
+    if row.state in ACTIVE:
+        return int(row.done)
+    return int(row.done_at_end or 0)  # the work that is there is that of others

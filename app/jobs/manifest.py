@@ -30,7 +30,8 @@ class Manifest:
     Attributes
     ----------
     key, process, version : str
-        Its identifier, the process that made it, the version of vibrafeed.
+        Its identifier, the process that made it, the version of vibrafeed and of its
+        code.
     cells, blocks : int
         Points of the grid, and pieces that they were computed in.
     seconds : float

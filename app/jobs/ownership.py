@@ -126,12 +126,6 @@ class Ownership:
             is_meant &= OWNED_STUDIES.c.owner == owner
         return bool(self._database.read(select(OWNED_STUDIES.c.key).where(is_meant).limit(1)))
 
-    def of_owner(self, owner: str) -> list[OwnedStudy]:
-        """Return the records of all studies of an owner, least recently used first."""
-        found = select(OWNED_STUDIES).where(OWNED_STUDIES.c.owner == owner)
-        rows = self._database.read(found.order_by(OWNED_STUDIES.c.used, OWNED_STUDIES.c.key))
-        return [_holding(row) for row in rows]
-
     def of_others(self, owner: str) -> set[str]:
         """Return the identifiers of the studies that owners other than the given one hold."""
         found = select(OWNED_STUDIES.c.key).where(OWNED_STUDIES.c.owner != owner).distinct()

@@ -1,15 +1,13 @@
-"""A pool of processes for what computes at once: each can be ended, whatever it is doing.
+"""The processes in which the service reads, prices and computes studies: each can be killed.
 
 A thread cannot be ended, and one that computes holds the interpreter, for which everybody else then
-waits. The processes are forked from one that has imported what they need: another takes the place
-of an ended one within some hundredths of a second.
+waits. A process that is killed or dies is replaced.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import mmap
 import multiprocessing
 import os
 import pickle
@@ -17,13 +15,16 @@ import signal
 import time
 import traceback
 from collections.abc import Awaitable, Callable
-from concurrent.futures import ThreadPoolExecutor
-from multiprocessing import forkserver, reduction
-from multiprocessing.connection import Connection
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from importlib import import_module
 from typing import Any, TypeVar
 
+import psutil
+
+from vibrafeed.app.jobs.fair_queue import FairQueue
 from vibrafeed.core.errors import StoppedError, VibrafeedError
-from vibrafeed.core.system import lower_priority
+from vibrafeed.core.system import end_with_parent, lower_priority
 
 LOOK = 0.5  # s between checks that the client still waits for the result
 CALLS = 500  # calls of a process before a new one replaces it: memory does not pile up
@@ -36,15 +37,7 @@ ENVIRONMENT = {
     # What is freed goes back to the machine.
     "MALLOC_TRIM_THRESHOLD_": "65536",
 }
-"""What the server from which processes are forked is started with, unless it is set already."""
-
-BYTES, LARGE, VALUE, ERROR = b"bytes", b"large", b"value", b"error"
-"""Kinds of what a call sends back: bytes as they are, or in memory that both processes see, since
-copies of megabytes would keep the event loop from its other clients; a pickled result; a pickled
-error."""
-
-SHARED = 1 << 20
-"""Bytes from which on a result comes in memory that both processes see."""
+"""What processes are started with, unless it is set already."""
 
 _T = TypeVar("_T")
 
@@ -53,120 +46,163 @@ class EndedError(VibrafeedError):
     """A process of the pool has died of what it computed."""
 
 
+class LostError(VibrafeedError):
+    """The workers are gone, or what else soon comes back; the study is not to blame."""
+
+
+class SlowError(StoppedError):
+    """A computation was stopped that had the processor for less than half of its time."""
+
+
 class ProcessPool:
-    """Runs functions in processes of its own.
+    """Runs functions in processes, one call at a time in each.
 
     Parameters
     ----------
-    most : int
-        How many calls there are at a time, at most; a process each.
+    workers : int
+        How many processes may compute what takes long; one more is left to short calls.
     modules : tuple of str
-        What the processes have imported when they start.
+        What the processes import when they start.
+
+    Attributes
+    ----------
+    fair_queue : FairQueue
+        Gives out the processes; whoever makes a call holds a place.
+    trouble : None
+        Processes of this machine are always there.
     """
 
-    def __init__(self, most: int, modules: tuple[str, ...]):
-        """Allow at most `most` processes, which have loaded some modules when they start."""
-        self._context = multiprocessing.get_context("forkserver")
-        self._context.set_forkserver_preload(list(modules))
-        self._threads = ThreadPoolExecutor(most, thread_name_prefix="process-pool")
+    trouble = None
+
+    def __init__(self, workers: int, modules: tuple[str, ...]):
+        """Allow some calls at a time, in processes that have loaded some modules."""
+        self.fair_queue = FairQueue(workers + 1)
+        self._modules = modules
         self._idle: list[_Process] = []
+        self._busy: set[_Process] = set()
         self._is_closed = False
 
     def open(self) -> None:
-        """Start the server that later forks the processes of the pool."""
+        """Set what the processes find in their environment."""
         for name, value in ENVIRONMENT.items():
             os.environ.setdefault(name, value)
-        forkserver.ensure_running()
 
     async def start(self) -> None:
-        """Start a process before the first call needs it."""
-        self._keep(await self._new())
+        """Start the processes before the first calls need them."""
+        while len(self._idle) + len(self._busy) < self.fair_queue.slots:
+            process = await self._new()
+            await asyncio.wait({asyncio.wrap_future(process.ready)})
+            self._keep(process)
+
+    async def prepare(self) -> None:
+        """Do nothing: a process is started when a call needs it."""
 
     async def __call__(
         self,
         function: Callable[..., _T],
         *arguments: Any,
-        seconds: float,
+        seconds: float = float("inf"),
         look: Callable[[], Awaitable[None]] | None = None,
+        began: Callable[[], Awaitable[None]] | None = None,
+        grace: float = 0.0,
     ) -> _T:
         """Run a function in a process and return its result; kill the process on timeout.
 
         Parameters
         ----------
         function, arguments
-            A function of a module, and its arguments; both are pickled, as is the result unless it
-            is bytes. Of `SHARED` bytes or more it is returned as a `memoryview`.
+            A function of a module, and its arguments; both are pickled, as is the result.
         seconds : float
-            Time limit [s], after which the process is ended.
+            Time limit [s], after which the process is killed; the loading of code does not count.
         look : callable, optional
-            Awaited every half second; if it raises, the process is ended and the error passed on.
+            Awaited every half second; if it raises, the process is killed and the error passed on.
+        began : callable, optional
+            Awaited once the process has started and takes the call.
+        grace : float
+            Time that the function may go on after the caller is cancelled [s].
 
         Raises
         ------
         StoppedError
             If the function takes longer than the limit.
+        SlowError
+            If it does so because the machine is busy.
         EndedError
             If the process dies.
+        LostError
+            If the pool is closed.
         Exception
             What the function raises.
         """
-        process = self._ready() or await self._new()
-        loop = asyncio.get_running_loop()
-        call = loop.run_in_executor(self._threads, process.call, function, arguments)
-        until = time.monotonic() + seconds
+        process, call = await self._submit(function, arguments)
         try:
-            while True:
-                left = until - time.monotonic()
-                if (await asyncio.wait({call}, timeout=max(0.0, min(LOOK, left))))[0]:
-                    return call.result()
-                if left <= 0:
-                    raise StoppedError(
-                        f"The computation was stopped at the service's time limit of {seconds:g} s."
+            ready = asyncio.wrap_future(process.ready)
+            await _until_done(ready, float("inf"), look)
+            before = process.busy_seconds(ready.result())
+            if began is not None:
+                await began()
+            if not await _until_done(call, seconds, look):
+                if process.busy_seconds(ready.result()) - before < seconds / 2:
+                    raise SlowError(
+                        "The machine of the service is busy: the computation was not ready after "
+                        f"{seconds:g} s. Send the request again."
                     )
-                if look is not None:
-                    await look()
+                raise StoppedError(
+                    f"The computation was stopped at the service's time limit of {seconds:g} s."
+                )
+            return call.result()
+        except (BrokenProcessPool, psutil.NoSuchProcess) as error:
+            if self._is_closed:
+                raise LostError("The service stops.") from error
+            raise EndedError(
+                "The process that computed the reply died, perhaps because memory ran out."
+            ) from error
         finally:
-            if call.done() and process.calls < CALLS:
+            if not call.done() and grace:
+                await asyncio.wait({call}, timeout=0.0 if self._is_closed else grace)
+            self._busy.discard(process)
+            if call.done() and not isinstance(call.exception(), BrokenProcessPool):
                 self._keep(process)
             else:
                 process.kill()
                 await asyncio.wait({call})  # it finds the end of the process
                 if not call.cancelled():
                     call.exception()  # is no news
-                process.close()
+
+    def alive(self) -> int:
+        """Return the number of processes that have been started."""
+        return len(self._idle) + len(self._busy)
 
     def close(self) -> None:
-        """Kill all processes of the pool."""
+        """Kill all processes of the pool; calls that run raise `LostError`."""
         self._is_closed = True
         while self._idle:
-            process = self._idle.pop()
+            self._idle.pop().kill()
+        for process in self._busy:
             process.kill()
-            process.close()
-        self._threads.shutdown(cancel_futures=True)
+
+    async def _submit(
+        self, function: Callable[..., _T], arguments: tuple[Any, ...]
+    ) -> tuple[_Process, asyncio.Future[_T]]:
+        """Give a call to an idle process, or to a new one if all are busy or have died."""
+        while True:
+            process = self._idle.pop() if self._idle else await self._new()
+            self._busy.add(process)
+            try:
+                return process, asyncio.wrap_future(process.submit(function, arguments))
+            except BrokenProcessPool:  # it died while it was idle
+                self._busy.discard(process)
 
     async def _new(self) -> _Process:
-        """Start a new process, in a thread."""
-        return await asyncio.get_running_loop().run_in_executor(
-            self._threads, _Process, self._context
-        )
-
-    def _ready(self) -> _Process | None:
-        """Return an idle process that is alive, which the caller then has.
-
-        None if there is none.
-        """
-        while self._idle:
-            process = self._idle.pop()
-            if process.is_alive():
-                return process
-            process.close()
-        return None
+        if self._is_closed:
+            raise LostError("The service stops.")
+        return await asyncio.to_thread(_Process, self._modules)
 
     def _keep(self, process: _Process) -> None:
-        """Keep an idle process for the next call; end it if the pool is closed meanwhile."""
-        if self._is_closed:
+        """Keep an idle process for the next call, if it is not old and there are not enough."""
+        is_spare = len(self._idle) + len(self._busy) >= self.fair_queue.slots
+        if self._is_closed or is_spare or process.calls >= CALLS:
             process.kill()
-            process.close()
         else:
             self._idle.append(process)
 
@@ -174,115 +210,65 @@ class ProcessPool:
 class _Process:
     """A process that carries out one call after another."""
 
-    def __init__(self, context: multiprocessing.context.ForkServerContext):
-        """Start a process that waits for calls on a pipe."""
-        self._pipe, there = context.Pipe()
-        self._process = context.Process(target=_carry_out, args=(there,), daemon=True)
-        self._process.start()
-        there.close()
+    def __init__(self, modules: tuple[str, ...]):
+        """Start a process, with the method that every system has."""
+        self._executor = ProcessPoolExecutor(
+            1, multiprocessing.get_context("spawn"), _begin, (modules,)
+        )
+        self.ready: Future[int] = self._executor.submit(os.getpid)
         self.calls = 0
 
-    def is_alive(self) -> bool:
-        """True if the process can take another call."""
-        return self._process.is_alive()
-
-    def call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-        """Run a function in the process and wait for its result, which is returned.
-
-        An error that the function raises is raised here. `function` is one that can be pickled,
-        `arguments` are its arguments.
-
-        Raises
-        ------
-        EndedError
-            If the process dies; it is then not used again.
-        """
+    def submit(self, function: Callable[..., _T], arguments: tuple[Any, ...]) -> Future[_T]:
+        """Give the process a call; raises `BrokenProcessPool` if it has died."""
         self.calls += 1
-        try:
-            self._pipe.send((function, arguments))
-            kind = self._pipe.recv_bytes()
-            content = _received(self._pipe) if kind == LARGE else self._pipe.recv_bytes()
-        except (OSError, EOFError, RuntimeError) as error:  # the last: a file has not arrived
-            self.calls = CALLS  # it is not used again
-            raise EndedError(
-                "The process that computed the reply died, perhaps because memory ran out."
-            ) from error
-        if kind in (BYTES, LARGE):
-            return content
-        result = pickle.loads(content)
-        if kind == ERROR:
-            raise result
-        return result
+        return self._executor.submit(_carry_out, function, arguments)
+
+    def busy_seconds(self, pid: int) -> float:
+        """Return the processor time that the process has had so far [s]."""
+        times = psutil.Process(pid).cpu_times()
+        return float(times.user + times.system)
 
     def kill(self) -> None:
-        """Kill the process at once."""
-        self._process.kill()
-
-    def close(self) -> None:
-        """Free the resources of an ended process that no call uses."""
-        self._pipe.close()
+        """Kill the process at once, or as soon as it has started."""
+        self.ready.add_done_callback(_kill)
+        self._executor.shutdown(wait=False, cancel_futures=True)
 
 
-def _carry_out(pipe: Connection) -> None:
-    """Run calls that arrive through a pipe until its other end is closed.
+async def _until_done(
+    call: asyncio.Future[Any], seconds: float, look: Callable[[], Awaitable[None]] | None
+) -> bool:
+    until = time.monotonic() + seconds
+    while not call.done() and (left := until - time.monotonic()) > 0:
+        await asyncio.wait({call}, timeout=min(LOOK, left))
+        if look is not None and not call.done():
+            await look()
+    return call.done()
 
-    This is the child process. A call is a pair of function and arguments; the reply is its kind,
-    then the result or error.
-    """
+
+def _kill(ready: Future[int]) -> None:
+    with contextlib.suppress(psutil.NoSuchProcess):
+        if not ready.cancelled() and ready.exception() is None:
+            psutil.Process(ready.result()).kill()
+
+
+def _begin(modules: tuple[str, ...]) -> None:
+    """Prepare a new process for its calls."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
-    lower_priority(POLITE)
-    with contextlib.suppress(AttributeError, OSError):  # else replies wait a little longer
-        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))  # never interrupts the server
-    while True:
-        try:
-            function, arguments = pipe.recv()
-        except EOFError:
-            return
-        try:
-            content = result = function(*arguments)
-            if isinstance(result, bytes):
-                kind = LARGE if len(result) >= SHARED else BYTES
-            else:
-                kind, content = VALUE, pickle.dumps(result, protocol=pickle.HIGHEST_PROTOCOL)
-        except Exception as error:
-            kind, content = ERROR, pickle.dumps(_portable(error))
-        pipe.send_bytes(kind)
-        if kind == LARGE:
-            _hand_over(pipe, content)
-        else:
-            pipe.send_bytes(content)
-        content = result = None  # free until the next call
+    end_with_parent()
+    for module in modules:
+        import_module(module)
+    lower_priority(POLITE)  # from now on: a call may be waiting for the process
 
 
-def _hand_over(pipe: Connection, content: bytes) -> None:
-    """Send a large result through a pipe as a file in memory, which the other process maps."""
-    with open(os.memfd_create("result"), "wb", buffering=0) as file:  # noqa: PTH123 of a descriptor
-        left = memoryview(content)
-        while left:
-            left = left[file.write(left) :]
-        reduction.send_handle(pipe, file.fileno(), os.getppid())
-
-
-def _received(pipe: Connection) -> memoryview:
-    """Return a large result that `_hand_over` has sent; nothing is copied."""
-    descriptor = reduction.recv_handle(pipe)
+def _carry_out(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """Call a function; an error that cannot be sent becomes a `RuntimeError` with its text."""
     try:
-        return memoryview(mmap.mmap(descriptor, 0, prot=mmap.PROT_READ))  # all of it
-    finally:
-        os.close(descriptor)
-
-
-def _portable(error: Exception) -> Exception:
-    """Return an error that can be pickled, with its traceback as a note if it was unexpected.
-
-    An error that cannot be pickled becomes a `RuntimeError` with its text.
-    """
-    if not isinstance(error, VibrafeedError):
-        error.add_note(traceback.format_exc())
-    try:
-        pickle.loads(pickle.dumps(error))
-    except Exception:
-        portable = RuntimeError(repr(error))
-        portable.add_note(traceback.format_exc())
-        return portable
-    return error
+        return function(*arguments)
+    except Exception as error:
+        if not isinstance(error, VibrafeedError):
+            error.add_note(traceback.format_exc())
+        try:
+            pickle.loads(pickle.dumps(error))
+        except Exception:
+            raise RuntimeError(f"{error!r}\n{traceback.format_exc()}") from None
+        raise

@@ -1,24 +1,45 @@
-"""The quota of the disk: bytes taken, bytes reserved for work under way, and what makes room."""
+"""The quota of the disk and of each owner: what is taken, what is promised, what makes room.
+
+All of it is counted in the ledger, so that several servers count the same: a study takes the bytes
+that it was let in with, until they are measured.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import shutil
-import threading
 import time
-from collections.abc import Mapping
+from typing import Any
+
+from sqlalchemy import Row, case, func, select
 
 from vibrafeed.app.jobs.errors import NoRoomError
 from vibrafeed.app.jobs.keys import NOBODY, Key
 from vibrafeed.app.jobs.ledger import Ledger
-from vibrafeed.app.jobs.ownership import OwnedStudy, Ownership
+from vibrafeed.app.jobs.ownership import Ownership
 from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.tables import OWNED_STUDIES, SIZES, WORK
 from vibrafeed.app.settings import Settings
 
-COUNTED_EVERY = 60.0  # s; counting looks at every file
-RIGHT_FOR = 1.0  # s; the largest age of a count before something is refused or removed
+RIGHT_FOR = 1.0  # s; the largest age of a measurement before something is refused or removed
 SPARE = 0.01  # share of the disk that is left to other programs, at most MAX_SPARE
 MAX_SPARE = 100_000_000  # bytes
+
+# What an owner is charged for a study: the study's own bytes, if no result was asked for; else what
+# is promised for its files while it is in work, then what they take.
+_CHARGED = case(
+    (OWNED_STUDIES.c.result == 0, OWNED_STUDIES.c.bytes),
+    else_=func.coalesce(WORK.c.bytes, SIZES.c.bytes, OWNED_STUDIES.c.bytes),
+)
+_HELD = (
+    select(OWNED_STUDIES.c.key, _CHARGED.label("bytes"), WORK.c.key.label("in_work"))
+    .select_from(
+        OWNED_STUDIES.outerjoin(WORK, WORK.c.key == OWNED_STUDIES.c.key).outerjoin(
+            SIZES, SIZES.c.key == OWNED_STUDIES.c.key
+        )
+    )
+    .order_by(OWNED_STUDIES.c.used, OWNED_STUDIES.c.key)
+)
 
 
 class Quota:
@@ -27,22 +48,19 @@ class Quota:
     Parameters
     ----------
     ledger, store
-        Where reserved bytes and files are kept.
+        Where bytes are counted, and where files are kept.
     settings : Settings
         The service's.
     """
 
     def __init__(self, ledger: Ledger, store: Store, settings: Settings):
-        """Keep the store within the settings' quota; nothing is counted yet."""
+        """Keep the store within the settings' quota; nothing is measured yet."""
         self._ledger, self._store, self._settings = ledger, store, settings
         self.ownership = Ownership(ledger.database)
-        self._counting = threading.Lock()
-        self._counted = -COUNTED_EVERY  # when [s]
-        self._sizes: Mapping[str, int] = {}  # bytes of each study then
-        self._since: Mapping[str, int] = {}  # most bytes of what was let in since
+        self._measured: float | None = None  # when [s, monotonic]
 
     def look(self, key: str, needed: int, who: Key = NOBODY) -> None:
-        """Count used bytes again if room may be short; slow, so done before a transaction.
+        """Measure all studies if room may be short; slow, so done before a transaction.
 
         Parameters
         ----------
@@ -53,12 +71,11 @@ class Quota:
         who : Key
             The API key of its owner.
         """
-        self._count(COUNTED_EVERY)
-        promised = self._promised(key, needed)
-        if who.bytes is not None:
-            self._measure(promised, who)
-        if max(*self._lacking(promised), self._beyond(promised, key, who)) > 0:
-            self._count(RIGHT_FOR)
+        if self._measured is None:
+            self.measure()
+        lacking = max(*self._lacking(key, needed), self._beyond(key, needed, who))
+        if lacking > 0 and time.monotonic() - (self._measured or 0.0) > RIGHT_FOR:
+            self.measure()
 
     def make(self, key: str, needed: int, who: Key = NOBODY, *, is_there: bool = False) -> None:
         """Remove the least recently used studies until a new one fits; those in work stay.
@@ -83,61 +100,73 @@ class Quota:
         NoRoomError
             If the study does not fit even then; nothing has been removed.
         """
-        promised = self._promised(key, needed)
-        own = self._own_studies_to_remove(promised, key, who)
-        pinned = set()
-        if own or max(self._lacking(promised)) > 0:  # long to find out where there is much
-            pinned = self.ownership.of_others(who.name)
-        leaving = (
-            [] if is_there else self._studies_to_remove(promised, needed, pinned, set(own) - pinned)
-        )
+        own = self._own_studies_to_remove(key, needed, who)
+        leaving = set(own) - self.ownership.of_others(who.name) if own else set()
+        if not is_there:
+            leaving |= self._studies_to_remove(key, needed, who, leaving)
         for other in own:
             self.ownership.let_go(other, who.name)
-        for other in {*leaving, *(set(own) - pinned)}:
+        for other in leaving:
             self.remove(other)
-        with self._counting:
-            gone = {*leaving, *(set(own) - pinned)}
-            self._sizes = {k: size for k, size in self._sizes.items() if k not in gone}
-            self._since = {k: size for k, size in self._since.items() if k not in gone}
-            if not is_there:
-                self._since = {**self._since, key: needed}
+        if not is_there:
+            self._note_size(key, needed)
 
-    def _studies_to_remove(
-        self, promised: Mapping[str, int], needed: int, pinned: set[str], own: set[str]
-    ) -> list[str]:
-        """Return the identifiers of the studies to remove from the disk so that a new one fits.
+    def weigh(self, key: str) -> None:
+        """Measure a study that is no longer in work."""
+        self._note_size(key, self._store.bytes(key))
 
-        Raises `NoRoomError` if they are too few.
+    def remove(self, key: str) -> None:
+        """Remove a study from the disk, and what the ledger has on its owners and its size."""
+        self.ownership.let_go(key)
+        with self._ledger.transaction() as connection:
+            connection.execute(SIZES.delete().where(SIZES.c.key == key))
+        self._store.remove(key)
 
-        Parameters
-        ----------
-        promised : mapping
-            Bytes reserved for each study in work, the new one included; these stay.
-        needed : int
-            Bytes that the new study may take at most.
-        pinned : set of str
-            Studies that other owners hold, which stay.
-        own : set of str
-            Studies that the owner gives up in any case; they are not in the result.
+    def measure(self) -> None:
+        """Measure all studies on the disk; it looks at every file."""
+        sizes = [{"key": key, "bytes": self._store.bytes(key)} for key in self._store.studies()]
+        with self._ledger.transaction() as connection:
+            connection.execute(SIZES.delete())
+            if sizes:
+                connection.execute(SIZES.insert(), sizes)
+        self._measured = time.monotonic()
+
+    def used(self) -> int:
+        """Return the bytes of all studies; those not measured since count with their most."""
+        [(used,)] = self._ledger.database.read(select(func.coalesce(func.sum(SIZES.c.bytes), 0)))
+        return int(used)
+
+    def _note_size(self, key: str, size: int) -> None:
+        with self._ledger.transaction() as connection:
+            connection.execute(SIZES.delete().where(SIZES.c.key == key))
+            connection.execute(SIZES.insert().values(key=key, bytes=size))
+
+    def _studies_to_remove(self, key: str, needed: int, who: Key, own: set[str]) -> set[str]:
+        """Return the studies to remove from the disk so that a new one fits.
+
+        `own` are those that the owner gives up in any case. Raises `NoRoomError` if they are too
+        few. The other arguments are those of `make`.
         """
         quota = self._settings.disk_quota_bytes
-        promises = sum(promised.values())
-        if promises > quota:
+        promised = {**self._ledger.promised(), key: needed}
+        if sum(promised.values()) > quota:
             raise NoRoomError(
                 f"The study needs up to {needed:,} bytes on disk. The quota of the service "
-                f"is {quota:,} bytes, of which {promises - needed:,} are reserved for "
-                "running jobs. Post a smaller study, or wait until they end."
+                f"is {quota:,} bytes, of which {sum(promised.values()) - needed:,} are reserved "
+                "for running jobs. Post a smaller study, or wait until they end."
             )
-        if max(self._lacking(promised)) > 0:
-            self._count(RIGHT_FOR)
-        in_quota, on_disk = self._lacking(promised)
-        leaving, freed = [], sum(self._size(other) for other in own)
-        for other in self._store.studies() if in_quota > freed else ():
+        in_quota, on_disk = self._lacking(key, needed)
+        if max(in_quota, on_disk) <= 0:
+            return set()
+        sizes = {row.key: row.bytes for row in self._ledger.database.read(select(SIZES))}
+        pinned = self.ownership.of_others(who.name)
+        leaving, freed = set(), sum(sizes.get(other, 0) for other in own)
+        for other in self._store.studies():
+            if freed >= in_quota:
+                break
             if other not in promised and other not in pinned and other not in own:
-                leaving.append(other)
-                freed += self._size(other)
-                if freed >= in_quota:
-                    break
+                leaving.add(other)
+                freed += sizes.get(other, 0)
         if in_quota > freed and pinned:
             raise NoRoomError(
                 f"The study needs up to {needed:,} bytes on disk, {in_quota - freed:,} "
@@ -151,120 +180,54 @@ class Quota:
             )
         return leaving
 
-    def _own_studies_to_remove(self, promised: Mapping[str, int], key: str, who: Key) -> list[str]:
+    def _own_studies_to_remove(self, key: str, needed: int, who: Key) -> list[str]:
         """Return the studies that an owner gives up so that a new one fits into the owner's quota.
 
-        `promised` holds the bytes reserved for each study in work, that of `key`, the new one,
-        included; `who` is the owner's API key. Raises `NoRoomError` if giving up all others is not
+        The arguments are those of `make`. Raises `NoRoomError` if giving up all others is not
         enough.
         """
-        if self._beyond(promised, key, who) <= 0:
-            return []
-        self._count(RIGHT_FOR)
-        beyond, leaving = self._beyond(promised, key, who), []
-        for held in self.ownership.of_owner(who.name):
-            if beyond <= 0:
-                break
-            if held.key not in promised:
+        beyond, leaving = self._beyond(key, needed, who), []
+        for held in self._held(key, who) if beyond > 0 else ():
+            if beyond > 0 and held.in_work is None:
                 leaving.append(held.key)
-                beyond -= self._charged(held, promised)
+                beyond -= held.bytes
         if beyond > 0:
             raise NoRoomError(
-                f"The study needs up to {promised[key]:,} bytes; your key may store "
+                f"The study needs up to {needed:,} bytes; your key may store "
                 f"{who.bytes:,} bytes, running jobs included. Post a smaller study, or "
                 "dismiss a job."
             )
         return leaving
 
-    def remove(self, key: str) -> None:
-        """Remove a study from the disk; owners keep their records if an object store has it."""
-        if self._store.object_store is None:
-            self.ownership.let_go(key)
-        self._store.remove(key)
-
-    def _beyond(self, promised: Mapping[str, int], key: str, who: Key) -> int:
+    def _beyond(self, key: str, needed: int, who: Key) -> int:
         """Return the bytes by which an API key would exceed its quota of storage with a new study.
 
         The result is negative if there is room, and 0 for a key without quota.
-
-        Parameters
-        ----------
-        promised : mapping of str to int
-            Bytes that the result of each study in work may take, by identifier; the new one is
-            included.
-        key : str
-            Identifier of the new study.
-        who : Key
-            The API key, whose stored studies are counted.
         """
         if who.bytes is None:
             return 0
-        held = self.ownership.of_owner(who.name)
-        others = sum(self._charged(one, promised) for one in held if one.key != key)
-        return others + promised[key] - who.bytes
+        return sum(held.bytes for held in self._held(key, who)) + needed - who.bytes
 
-    def _measure(self, promised: Mapping[str, int], who: Key) -> None:
-        """Measure results of an owner that were finished since all studies were counted.
+    def _held(self, key: str, who: Key) -> list[Row[*tuple[Any, ...]]]:
+        """Return the charges of an owner for all studies but one, least recently used first."""
+        others = _HELD.where(OWNED_STUDIES.c.owner == who.name, OWNED_STUDIES.c.key != key)
+        return self._ledger.database.read(others)
 
-        Until then such a study counts with the bytes that were reserved for it. `promised` has the
-        studies still in work by identifier, which stay as reserved; `who` is the owner's API key.
-        """
-        held = {one.key for one in self.ownership.of_owner(who.name)}
-        made = [key for key in self._since if key in held and key not in promised]
-        sizes = {key: self._store.bytes(key) for key in made}
-        with self._counting:
-            self._since = {**self._since, **sizes}
-
-    def _size(self, key: str) -> int:
-        """Return the bytes of a study, from its record or the disk."""
-        return self._since.get(key) or self._sizes.get(key, 0)
-
-    def _charged(self, held: OwnedStudy, promised: Mapping[str, int]) -> int:
-        """Return the bytes of a study that are charged to its owner.
-
-        These are the study's own if the owner has not asked for a result; else what is reserved for
-        its files while it is in work (`promised`), then what they take.
-        """
-        if not held.result:
-            return held.bytes
-        return promised.get(held.key) or self._size(held.key) or held.bytes
-
-    def used(self) -> int:
-        """Return the bytes of all studies on disk, counted at most a minute ago.
-
-        Studies that were accepted since count with the most that they may take.
-        """
-        self._count(COUNTED_EVERY)
-        return sum({**self._sizes, **self._since}.values())
-
-    def _promised(self, key: str, needed: int) -> dict[str, int]:
-        """Return the bytes promised to unfinished work, with those of a new study."""
-        return self._ledger.promised() | {key: needed}
-
-    def _lacking(self, promised: Mapping[str, int]) -> tuple[int, int]:
+    def _lacking(self, key: str, needed: int) -> tuple[int, int]:
         """Return the bytes that the quota and the disk are short of; negative if there is room.
 
-        `promised` holds the bytes reserved for each study in work. The first result is for the
-        quota of the service, the second for the free space of the disk, less a reserve for other
-        programs.
+        The second is for the free space of the disk, less a reserve for other programs.
         """
-        taken = {**self._sizes, **self._since}
-        others = sum(size for key, size in taken.items() if key not in promised)
-        in_quota = others + sum(promised.values()) - self._settings.disk_quota_bytes
-        owed = sum(max(0, size - self._sizes.get(key, 0)) for key, size in promised.items())
+        others = select(WORK.c.bytes, WORK.c.done, WORK.c.blocks).where(WORK.c.key != key)
+        in_work = self._ledger.database.read(others)
+        idle = SIZES.c.key.not_in(select(WORK.c.key)) & (SIZES.c.key != key)
+        total = select(func.coalesce(func.sum(SIZES.c.bytes), 0)).where(idle)
+        [(taken,)] = self._ledger.database.read(total)
+        promised = sum(row.bytes for row in in_work) + needed
+        in_quota = int(taken) + promised - self._settings.disk_quota_bytes
+        # What has been written of a promise is owed no more.
+        owed = needed + sum(row.bytes * (1 - row.done / max(1, row.blocks)) for row in in_work)
         with contextlib.suppress(FileNotFoundError):
             disk = shutil.disk_usage(self._settings.data_directory)
-            return in_quota, owed + int(min(SPARE * disk.total, MAX_SPARE)) - disk.free
+            return in_quota, int(owed + min(SPARE * disk.total, MAX_SPARE)) - disk.free
         return in_quota, 0
-
-    def _count(self, age: float) -> None:
-        """Count the bytes of all studies on disk if the last count is older than `age` [s].
-
-        Counting looks at every file, so that callers who only need an estimate accept an older
-        count.
-        """
-        with self._counting:
-            if time.monotonic() - self._counted > age:
-                self._sizes = {key: self._store.bytes(key) for key in self._store.studies()}
-                self._since = {}
-                self._counted = time.monotonic()

@@ -10,18 +10,18 @@ import socket
 import sqlite3
 import time
 import uuid
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Protocol
 
 from vibrafeed.app.jobs import disk
 from vibrafeed.app.jobs.cluster import Cluster
-from vibrafeed.app.jobs.dispatcher import Dispatcher, TooLongError
+from vibrafeed.app.jobs.dispatcher import Dispatcher, TooLongError, WorkersDieError
 from vibrafeed.app.jobs.errors import BlindWorkerError, OtherVersionError, TornBlockError
-from vibrafeed.app.jobs.executor import LostError, WorkersDieError
 from vibrafeed.app.jobs.ledger import Ledger, Work
+from vibrafeed.app.jobs.process_pool import LostError, ProcessPool
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.jobs.thread_pool import ThreadPool
 from vibrafeed.app.settings import Settings
 
 logger = logging.getLogger("vibrafeed.jobs")
@@ -29,15 +29,14 @@ logger = logging.getLogger("vibrafeed.jobs")
 POLL = 0.5  # s between looks at the ledger, in which other servers may have entered work
 RETRY = 2.0  # s before a lost scheduler is tried again
 LOOK = 1.0  # s between looks at whether work is still wanted
-SHORT = 10  # in times of a block; items that take longer are long
 
 
 def next_item(waiting: Sequence[Work], active: Collection[Work], settings: Settings) -> Work | None:
     """Return the item of work to begin next; None if none may begin.
 
-    As many long items may be computed at a time as `concurrent_jobs` says, and as many short ones
-    besides: short work does not wait until something long is over. On the workers they share time:
-    see `vibrafeed.app.jobs.fair_queue`. An item is long or short by its price.
+    Owners take turns. As many items are computed at a time as `concurrent_jobs` says, and one
+    besides that is smaller than all of them: small work does not wait until something long is over.
+    On the workers they share time: see `vibrafeed.app.jobs.fair_queue`.
 
     Parameters
     ----------
@@ -48,14 +47,30 @@ def next_item(waiting: Sequence[Work], active: Collection[Work], settings: Setti
     settings : Settings
         The service's.
     """
-    short_seconds, most = SHORT * settings.block_seconds, settings.concurrent_jobs
     keys = {item.key for item in active}
-    long = sum(item.price > short_seconds for item in active)
-    for item in waiting:
-        under_way = long if item.price > short_seconds else len(active) - long
-        if item.key not in keys and under_way < most:
+    owners = Counter(item.asker for item in active)
+    is_full = len(active) >= settings.concurrent_jobs
+    for item in sorted(waiting, key=lambda item: owners[item.asker]):
+        is_smallest = all(item.price < one.price for one in active)
+        if item.key not in keys and (is_smallest or not is_full):
             return item
     return None
+
+
+class Witness(Protocol):
+    """An observer of work, such as metrics or traces; its methods return at once."""
+
+    def began(self, item: Work) -> Mapping[str, str]:
+        """Notice that an item of work was begun; return fields to add to its log lines."""
+
+    def computed(self, item: Work, seconds: float) -> None:
+        """Notice that a block of an item is done; `seconds` is its computing time [s]."""
+
+    def ended(self, item: Work, outcome: str, seconds: float) -> None:
+        """Notice that an item ended here, with its outcome and the time it was under way [s].
+
+        The outcome is ``done``, ``failed``, ``given up`` or ``interrupted``.
+        """
 
 
 class Runner:
@@ -63,26 +78,27 @@ class Runner:
 
     Parameters
     ----------
-    ledger, store, cluster
+    ledger, store, workers
         Where work is kept, where its files are, and where it runs.
     settings : Settings
         The service's.
 
     Attributes
     ----------
-    work_progress : WorkProgress
-        Reports the begin, the blocks and the end of each item of work.
+    witnesses : list of Witness
+        The observers of work, such as metrics and traces; each adds itself.
     """
 
-    def __init__(self, ledger: Ledger, store: Store, cluster: Cluster, settings: Settings):
-        """Claim work of a ledger for this server, to be computed on a cluster."""
-        self._ledger, self._store, self._cluster = ledger, store, cluster
+    def __init__(
+        self, ledger: Ledger, store: Store, workers: ProcessPool | Cluster, settings: Settings
+    ):
+        """Claim work of a ledger for this server, to be computed by workers."""
+        self._ledger, self._store, self._workers = ledger, store, workers
         self._settings = settings
         self._directory = str(settings.data_directory.resolve())
         self._server = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
-        self._thread_pool = ThreadPool()
-        self._dispatcher = Dispatcher(ledger, store, cluster, self._thread_pool, settings)
-        self.work_progress = self._dispatcher.work_progress
+        self._dispatcher = Dispatcher(ledger, store, workers, settings)
+        self.witnesses: list[Witness] = []
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
         self._active: dict[str, tuple[Work, asyncio.Task[None]]] = {}
@@ -92,7 +108,7 @@ class Runner:
     async def start(self) -> None:
         """Release work that a killed server has left, and begin to claim work."""
         self._loop = asyncio.get_running_loop()
-        await self._thread_pool(self._clear_up)
+        await asyncio.to_thread(self._clear_up)
         self._main = asyncio.create_task(self._run(), name="jobs")
 
     async def stop(self) -> None:
@@ -105,17 +121,12 @@ class Runner:
         tasks = [task for task in (self._main, *keeping) if task is not None]
         for task in tasks:
             task.cancel()
+        await asyncio.to_thread(self._workers.close)  # tasks wait for what they run
         await asyncio.gather(*tasks, return_exceptions=True)
-        await self._dispatcher.executor.close()
         try:
-            await self._thread_pool(self._ledger.release, self._server)
+            await asyncio.to_thread(self._ledger.release, self._server)
         except Exception:  # such as a full disk: the leases run out
             logger.exception("leases cannot be given up")
-        try:
-            await self._cluster.close()
-        except Exception:
-            logger.exception("the cluster did not close")
-        self._thread_pool.close()
         if self._alone is not None:
             self._alone.close()
 
@@ -128,11 +139,12 @@ class Runner:
         """Return the reason why jobs cannot be carried out; None if they can."""
         if self._main is None or self._main.done():
             return "no work is looked for"
-        return self._dispatcher.executor.trouble or self._dispatcher.trouble
+        return self._workers.trouble
 
     def waits(self) -> str | None:
         """Return the reason why unstarted work waits, other than its place in the queue."""
-        return self._dispatcher.executor.waits()
+        is_busy = self._workers.fair_queue.waiting
+        return self._workers.trouble or ("all workers are busy" if is_busy else None)
 
     def _clear_up(self) -> None:
         """Release all leases and remove temporary files if no other server uses the data directory.
@@ -185,13 +197,11 @@ class Runner:
         other servers use too.
         """
         while True:
-            candidate = await self._thread_pool(self._next)
+            candidate = await asyncio.to_thread(self._next)
             if candidate is None:
-                if not self._active:  # nothing waits for the workers
-                    self._dispatcher.executor.trouble = None
                 return
             lease = self._settings.lease_seconds
-            item = await self._thread_pool(self._ledger.claim, self._server, lease, candidate.key)
+            item = await asyncio.to_thread(self._ledger.claim, self._server, lease, candidate.key)
             if item is not None:  # no other server was quicker
                 keeping = asyncio.create_task(self._keep(item), name=item.key)
                 self._active[item.owner] = item, keeping
@@ -206,41 +216,49 @@ class Runner:
         It runs as a task. Work that is interrupted by lost workers or a lost ledger is released, to
         be tried again; an item that no job waits for any more, or whose lease is lost, is given up.
         """
-        about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
-        carrying = asyncio.create_task(self._carry_out(item))
+        about: dict[str, Any] = {"key": item.key, "kind": item.process, "blocks": item.blocks}
+        for witness in self.witnesses:
+            about |= witness.began(item)
+        logger.info("work started", extra=about)
+        began, outcome, computed = time.monotonic(), "interrupted", 0
+
+        def note(seconds: float) -> None:
+            nonlocal computed
+            computed += 1
+            for witness in self.witnesses:
+                witness.computed(item, seconds)
+
+        carrying = asyncio.create_task(self._dispatcher.carry_out(item, note))
         try:
-            self.work_progress.began(item)
             await self._hold(item, carrying)
             if not carrying.done():
-                self.work_progress.ended(item, "given up")
+                outcome = "given up"
                 return
             problem = await self._problem_of(carrying)
             if problem is not None and await self._dispatcher.is_there(item):
                 problem = None  # another server, which took this one for dead, has finished it
-            if problem is None:
-                await self._thread_pool(self._ledger.succeed, item)
-                self.work_progress.ended(item, "done")
-            else:
-                await self._thread_pool(self._ledger.fail, item, problem)
-                self.work_progress.ended(item, "failed", problem["title"])
+            size = await asyncio.to_thread(self._store.bytes, item.key)
+            await asyncio.to_thread(self._ledger.end, item, problem, size)
+            outcome = "done" if problem is None else "failed"
+            about |= {} if problem is None else {"title": problem["title"]}
         except LostError as lost:
             logger.warning("work is tried again: %s", lost, extra=about)
             await asyncio.sleep(RETRY)
             with contextlib.suppress(OSError, sqlite3.Error):  # then the lease runs out
-                await self._thread_pool(self._ledger.release, item.owner)
+                await asyncio.to_thread(self._ledger.release, item.owner)
         except Exception:
             # Such as a ledger on a full disk: the lease runs out, and the work is tried again.
             logger.exception("work interrupted", extra=about)
         finally:
             carrying.cancel()
             await asyncio.gather(carrying, return_exceptions=True)
-            self.work_progress.ended(item, "interrupted")  # if it has not ended before
+            seconds = time.monotonic() - began
+            about |= {"computed": computed, "seconds": round(seconds, 3)}
+            logger.info("work %s", outcome, extra=about)
+            for witness in self.witnesses:
+                witness.ended(item, outcome, seconds)
             self._active.pop(item.owner, None)
             self._wake.set()
-
-    async def _carry_out(self, item: Work) -> None:
-        """Carry out an item of work on the cluster, with the expected time of its blocks."""
-        await self._dispatcher.carry_out(item, item.price / max(1, item.blocks))
 
     async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
         """Renew the lease of an item of work until the task that computes it ends.
@@ -256,10 +274,10 @@ class Runner:
                 return
             age = time.monotonic() - renewed
             try:
-                if not await self._thread_pool(self._ledger.holds, item):
+                if not await asyncio.to_thread(self._ledger.holds, item):
                     return
                 if age > lease / 4:
-                    if not await self._thread_pool(self._ledger.renew, item, lease):
+                    if not await asyncio.to_thread(self._ledger.renew, item, lease):
                         return
                     renewed += age
             except (OSError, sqlite3.Error):

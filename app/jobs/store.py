@@ -24,7 +24,6 @@ from typing import Any
 import orjson
 from filelock import FileLock
 
-from vibrafeed import core
 from vibrafeed.app.jobs.blocks import Blocks
 from vibrafeed.app.jobs.groups import LIST, complete_list, files_of, read_list
 from vibrafeed.app.jobs.integrity import Integrity
@@ -38,7 +37,7 @@ from vibrafeed.app.jobs.manifest import (
     Manifest,
     fingerprint,
 )
-from vibrafeed.app.jobs.object_store import RemoteResults
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.document import to_document
 from vibrafeed.core.dataset.files import PART, partial, whole
 from vibrafeed.core.dataset.netcdf import write_netcdf
@@ -59,35 +58,12 @@ class Store(Blocks):
     ----------
     integrity : Integrity
         Tells whether files of results are what was written.
-    object_store : RemoteResults or None
-        Where results are kept besides, if they are.
     """
 
-    def __init__(self, directory: Path, results_url: str = ""):
-        """Use a data directory, and an object store if a URL is given."""
+    def __init__(self, directory: Path):
+        """Use a data directory."""
         super().__init__(directory)
         self.integrity = Integrity()
-        self.object_store = RemoteResults(results_url) if results_url else None
-
-    def send(self, key: str) -> None:
-        """Upload a result to the object store, if one is set; raise `OSError` if that fails."""
-        if self.object_store is not None:
-            self.object_store.send(key, self.folder(key))
-
-    def fetch(self, key: str) -> bool | None:
-        """Fetch a result from the object store: True if it is here, False if there is none.
-
-        None if the download is under way. `key` is the study's identifier.
-        """
-        return (
-            False if self.object_store is None else self.object_store.fetch(key, self.folder(key))
-        )
-
-    def close(self) -> None:
-        """Stop checking and fetching files."""
-        self.integrity.close()
-        if self.object_store is not None:
-            self.object_store.close()
 
     def manifest(self, key: str) -> Manifest | None:
         """Return the manifest of a result if the result is complete, and note its use.
@@ -107,33 +83,19 @@ class Store(Blocks):
         `key` is the study's identifier; the manifest lists the files of a complete result. Unlike
         `manifest`, this does not count as a use of the study.
         """
-        manifest = self.manifest_as_it_is(key)
-        if manifest is None:
-            return None
         folder = self.folder(key)
-        broken = [name for name in manifest.files if not _has_size(folder, name, manifest)]
-        if broken:
-            logger.warning("a result is cut or gone: %s of %s", ", ".join(broken), key)
-        return None if broken else manifest
-
-    def manifest_as_it_is(self, key: str) -> Manifest | None:
-        """Return the manifest of a result as it is stored, without checking the files in it.
-
-        The manifest lists the files of a result with their sizes [bytes] and SHA-256 digests. `key`
-        is the study's identifier. None if there is no manifest or it cannot be read; the second
-        case is logged.
-        """
-        path = self.folder(key) / MANIFEST
         try:
-            manifest = Manifest(**json.loads(path.read_bytes()))
-            if all(isinstance(known["bytes"], int) for known in manifest.files.values()):
-                return manifest
+            manifest = Manifest(**json.loads((folder / MANIFEST).read_bytes()))
+            broken = [name for name in manifest.files if not _has_size(folder, name, manifest)]
         except FileNotFoundError:
             return None
         except (ValueError, TypeError, KeyError, AttributeError):
-            pass
-        logger.warning("a manifest cannot be read: %s", key)  # the result is made again
-        return None
+            logger.warning("a manifest cannot be read: %s", key)  # the result is made again
+            return None
+        if broken:
+            logger.warning("a result is cut or gone: %s of %s", ", ".join(broken), key)
+            return None
+        return manifest
 
     def digest(self, key: str, name: str, manifest: Manifest) -> str | None:
         """Return the SHA-256 of a file of a result; None if it is unknown.
@@ -261,10 +223,8 @@ class Store(Blocks):
         `key` is the study's identifier, `path` the file's path in the group, by default the group's
         own document.
         """
-        folder = self.folder(key) / ZARR
-        if folder.exists():
-            return folder / path
-        return partial(folder) / path
+        group = self.folder(key) / ZARR
+        return (group if group.exists() else partial(group)) / path
 
     def _finish(self, key: str, write: Callable[[Path], list[str]], making: Making) -> Manifest:
         """Write the files of a result and then its manifest, which makes the result complete.
@@ -288,7 +248,7 @@ class Store(Blocks):
                 return known
             names = write(folder)
             files = {name: _known(folder, name) for name in names}
-            manifest = Manifest(key=key, version=core.__version__, files=files, **asdict(making))
+            manifest = Manifest(key=key, version=code_version(), files=files, **asdict(making))
             with whole(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
             self.drop_blocks(key)
@@ -330,8 +290,13 @@ class Store(Blocks):
             shutil.rmtree(partial(folder / ZARR), ignore_errors=True)
 
     def bytes(self, key: str) -> int:
-        """Return the bytes of all files of a study."""
-        return sum(_sizes(self.folder(key)))
+        """Return the bytes of all files of a study, except of those that vanish meanwhile."""
+        size = 0
+        for parent, _, names in os.walk(self.folder(key)):
+            for name in names:
+                with contextlib.suppress(FileNotFoundError):
+                    size += (Path(parent) / name).stat().st_size
+        return size
 
     def remove(self, key: str) -> None:
         """Remove a study and all its files, the manifest first."""
@@ -388,11 +353,3 @@ def _has_size(folder: Path, name: str, manifest: Manifest) -> bool:
         return (folder / name).stat().st_size == manifest.files[name]["bytes"]
     except FileNotFoundError:
         return False
-
-
-def _sizes(folder: Path) -> Iterator[int]:
-    """Yield the sizes of all files below a folder [bytes], except those that vanish meanwhile."""
-    for parent, _, names in os.walk(folder):
-        for name in names:
-            with contextlib.suppress(FileNotFoundError):
-                yield (Path(parent) / name).stat().st_size

@@ -11,8 +11,8 @@ import time
 from collections import OrderedDict
 from pathlib import Path
 
-from vibrafeed import core
 from vibrafeed.app.jobs.errors import NotFoundError, OtherVersionError
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.files import whole
 from vibrafeed.core.errors import StudyError, VibrafeedError
 from vibrafeed.core.intake import prepare_content, read_json
@@ -21,18 +21,17 @@ from vibrafeed.core.study.grid_study import Study
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 USED_EVERY = 3600.0  # s; a study's time of last use is written at most once in this time
-MAX_KNOWN = 64  # short studies that are kept in memory, and long ones beside them
-MAX_KNOWN_BYTES = 8_000_000  # of the texts of either; values take three times that in memory
-LONG = 20_000  # bytes of a text; long studies do not push out short ones
+MAX_KNOWN = 64  # studies that are kept in memory
+MAX_KNOWN_BYTES = 8_000_000  # of their texts; values take three times that in memory
 
 
 def identifier(study: Study, process: str | None = None) -> str:
-    """Return the identifier of a study: a SHA-256 of its text and of the program's version.
+    """Return the identifier of a study: a SHA-256 of its text and of the code that computes.
 
     `process` is what is carried out; a process other than the study's own kind, such as `accuracy`,
     is part of what is hashed. Equal studies have equal identifiers and share one result.
     """
-    words = [core.__version__, study.canonical()]
+    words = [code_version(), study.canonical()]
     if process not in (None, study.kind):
         words.insert(0, str(process))
     return hashlib.sha256(" ".join(words).encode()).hexdigest()
@@ -48,10 +47,9 @@ class Studies:
         """Use the folder `studies` of a data directory; none is read yet."""
         self.directory = directory / "studies"
         self._lock = threading.Lock()
-        # That were asked for last, and whether the identifier is the study's own, for no process.
-        self._known: OrderedDict[str, tuple[Prepared, bool]] = OrderedDict()
-        self._known_long: OrderedDict[str, tuple[Prepared, bool]] = OrderedDict()
-        self._sizes: dict[str, int] = {}  # bytes of the text of each
+        # That were asked for last, whether the identifier is the study's own, for no process, and
+        # the bytes of its text.
+        self._known: OrderedDict[str, tuple[Prepared, bool, int]] = OrderedDict()
 
     def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
         """Store a study in the folder of its identifier.
@@ -60,14 +58,18 @@ class Studies:
         the study's own kind.
         """
         key = identifier(study, process)
+        return key, self.put(key, study.canonical())
+
+    def put(self, key: str, text: str) -> bool:
+        """Store the canonical text of a study under its identifier; return True if it is new."""
         path = self.directory / key / "study.json"
         if path.exists():
             self.note_use(key)
-            return key, False
+            return False
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole(path) as temporary:
-            temporary.write_text(study.canonical(), encoding="utf-8")
-        return key, True
+            temporary.write_text(text, encoding="utf-8")
+        return True
 
     def get(self, key: str) -> Prepared:
         """Return the study with an identifier; raise `NotFoundError` if there is none."""
@@ -97,8 +99,7 @@ class Studies:
         """Return a stored study, and True if its identifier is that which this version gives to it.
 
         `key` is the identifier under which it was posted; another version of vibrafeed gives
-        another one. The studies used last are kept in memory, those with long files apart from the
-        short ones.
+        another one. The studies used last are kept in memory.
 
         Raises
         ------
@@ -109,28 +110,27 @@ class Studies:
         """
         path = self.folder(key) / "study.json"
         with self._lock:
-            for recent in (self._known, self._known_long):
-                known = recent.get(key)
-                if known is not None and path.exists():  # it may have been removed
-                    recent.move_to_end(key)
-                    self.note_use(key)
-                    return known
+            known = self._known.get(key)
+            if known is not None and path.exists():  # it may have been removed
+                self._known.move_to_end(key)
+                self.note_use(key)
+                return known[:2]
         try:
             content = path.read_bytes()
         except FileNotFoundError:
             raise unknown(key) from None
         self.note_use(key)
         prepared = prepare_content(read_json(content))
-        entry = prepared, identifier(prepared.study) == key
+        is_own = identifier(prepared.study) == key
         with self._lock:
-            recent = self._known_long if len(content) > LONG else self._known
-            recent[key], self._sizes[key] = entry, len(content)
-            recent.move_to_end(key)
+            self._known[key] = prepared, is_own, len(content)
+            self._known.move_to_end(key)
             while (
-                len(recent) > MAX_KNOWN or sum(self._sizes[one] for one in recent) > MAX_KNOWN_BYTES
+                len(self._known) > MAX_KNOWN
+                or sum(size for *_, size in self._known.values()) > MAX_KNOWN_BYTES
             ):
-                del self._sizes[recent.popitem(last=False)[0]]
-        return entry
+                self._known.popitem(last=False)
+        return prepared, is_own
 
     def folder(self, key: str) -> Path:
         """Return the folder of a study; raise `NotFoundError` if the identifier is malformed."""
@@ -192,7 +192,7 @@ def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
             return unknown(key)
     return OtherVersionError(
         f"The sweep '{key[:12]}...' was posted to another version of vibrafeed; this one is "
-        f"{core.__version__} and uses other identifiers. POST the study to /sweeps again."
+        f"{code_version()} and uses other identifiers. POST the study to /sweeps again."
     )
 
 

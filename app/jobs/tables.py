@@ -74,6 +74,13 @@ OWNED_STUDIES = Table(
     Column("used", Double, nullable=False),
 )
 
+SIZES = Table(  # of all files of each study
+    "sizes",
+    TABLES,
+    Column("key", Text, primary_key=True),
+    Column("bytes", BigInteger, nullable=False),
+)
+
 AUDIT = Table(
     "audit",
     TABLES,
@@ -188,4 +195,13 @@ UPGRADES: tuple[tuple[str, ...], ...] = (
         "CREATE INDEX prices_by_name ON prices (name, finished)",
     ),
     ("DROP TABLE prices", "ALTER TABLE work ADD COLUMN price {real} NOT NULL DEFAULT 0"),
+    (  # Lists of jobs page by the time of entry and the identifier.
+        "DROP INDEX jobs_by_time",
+        "CREATE INDEX jobs_by_time ON jobs (created, id)",
+        "DROP INDEX jobs_by_state",
+        "CREATE INDEX jobs_by_state ON jobs (state, created, id)",
+        "DROP INDEX jobs_by_owner",
+        "CREATE INDEX jobs_by_owner ON jobs (owner, state)",
+    ),
+    ("CREATE TABLE sizes (key TEXT PRIMARY KEY, bytes {whole} NOT NULL) {strict}",),
 )

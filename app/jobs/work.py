@@ -6,22 +6,21 @@ is computed goes to the disk.
 
 from __future__ import annotations
 
-import math
 import socket
 import threading
 import time
-from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from vibrafeed import core
 from vibrafeed.app.jobs import large
 from vibrafeed.app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.studies import identifier
 from vibrafeed.app.settings import Settings
 from vibrafeed.core import lazy
-from vibrafeed.core.errors import StoppedError
+from vibrafeed.core.code_version import code_version
+from vibrafeed.core.errors import StudyError
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.plan.pieces import Cut, cells_of_piece, join
@@ -31,9 +30,54 @@ from vibrafeed.core.watch import Watch
 
 IN_GROUP = 0
 """Stands for the cells of a block that goes into a Zarr group (`vibrafeed.app.jobs.large`)."""
-UNWANTED = "no client wants the block any more"
+REPORT_BYTES = 10_000_000  # bytes that an accuracy report may take on the disk
+REPORT_SECONDS = 60.0  # of a report, whose study does not state it
 
 _netcdf = threading.Lock()  # the library crashes if two threads of a worker use it
+
+
+@dataclass(frozen=True)
+class Task:
+    """A study that a worker has read and priced, ready to become a job.
+
+    Attributes
+    ----------
+    key : str
+        The study's identifier.
+    process : str
+        What is carried out: the kind of the study, or `accuracy`.
+    text : str
+        The study as canonical JSON.
+    cells, block_cells, blocks : int
+        Cells of the study, cells of one block, and the number of blocks.
+    bytes : int
+        Bytes that all its files may take on the disk.
+    price : float
+        Expected time of computing it on one core [s].
+    """
+
+    key: str
+    process: str
+    text: str
+    cells: int
+    block_cells: int
+    blocks: int
+    bytes: int
+    price: float
+
+
+def task_of(prepared: Prepared, process: str, settings: Settings) -> Task:
+    """Return the task of carrying out a process on a study; the settings say how it is cut."""
+    study = prepared.study
+    block_cells, count = blocks(prepared, process, settings)
+    if process in KINDS:
+        # Blocks and the result are there at the same time, for a moment.
+        needed = 2 * prepared.bytes
+        price = prepared.price.of(prepared.cells)
+    else:
+        needed, price = REPORT_BYTES, REPORT_SECONDS
+    key, text = identifier(study, process), study.canonical()
+    return Task(key, process, text, prepared.cells, block_cells, count, needed, price)
 
 
 def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
@@ -80,14 +124,14 @@ def missing_blocks(directory: str, key: str, process: str, cells: int, count: in
         return [index for index in range(count) if not store.has_block(key, cells, index)]
     if store.has_group(key):  # joined already, and not yet told so
         return []
-    prepared = _study(directory, key, process)
+    prepared = _study(directory, key)
     group = large.group_of_job(store, key, prepared)
     group.begin(outline(prepared), resume=True)
     return group.missing()
 
 
 def compute_block(
-    directory: str, key: str, process: str, cells: int, index: int, claim: str = ""
+    directory: str, key: str, process: str, cells: int, index: int, version: str
 ) -> float:
     """Compute a block of a study and store it; return the seconds it took.
 
@@ -101,61 +145,35 @@ def compute_block(
         Number of cells of the blocks that the study is cut into, or `IN_GROUP`.
     index : int
         Number of the block, from 0.
-    claim : str
-        Name of the lease under which the block is computed; a block whose claim has been given up
-        is not kept.
+    version : str
+        Version of the server and of its code.
 
     Raises
     ------
     OtherVersionError
-        If this version of vibrafeed knows the study by another identifier.
+        If this worker has other code than the server.
     BlindWorkerError
         If this worker does not find the study.
-    StoppedError
-        If the claim was given up.
     """
+    if version != code_version():
+        raise OtherVersionError(
+            f"The server runs vibrafeed {version}, and a worker {code_version()}. Run one version "
+            "on all servers and workers, then post the study again."
+        )
     started = time.perf_counter()
     store = Store(Path(directory))
-    # One thread: each worker thread is given a block of its own.
-    watch = Watch(threads=1, stop=lambda: store.is_abandoned(key, claim))
-    if watch.stopped():  # before it began
-        raise StoppedError(UNWANTED)
+    watch = Watch(threads=1)  # each worker is given a block of its own
     if process in KINDS and cells == IN_GROUP:
-        large.group_of_job(store, key, _study(directory, key, process)).write(index, watch)
+        large.group_of_job(store, key, _study(directory, key)).write(index, watch)
     elif not store.has_block(key, cells, index):
-        prepared = _study(directory, key, process)
+        prepared = _study(directory, key)
         if process in KINDS:
             part = prepared.within(Cut(prepared, cells).box(index))
             computed = KINDS[prepared.study.kind].compute(part, watch)
         else:
             computed = measure(prepared, watch).computed()
-        if watch.stopped():
-            raise StoppedError(UNWANTED)
         store.write_block(key, cells, index, computed)
     return time.perf_counter() - started
-
-
-def compute_blocks(
-    directory: str,
-    key: str,
-    process: str,
-    cells: int,
-    indices: Sequence[int],
-    claim: str = "",
-    most: float = math.inf,
-) -> list[float]:
-    """Compute blocks of a study, one after another; return the seconds that each took.
-
-    Each is stored when it is done, and those before are kept if one fails. After `most` seconds no
-    other begins: blocks of equal size may take very different times. The other arguments and the
-    errors are those of `compute_block`, with the numbers of the blocks.
-    """
-    took: list[float] = []
-    for index in indices:
-        if sum(took) >= most:
-            break
-        took.append(compute_block(directory, key, process, cells, index, claim))
-    return took
 
 
 def write_result(directory: str, key: str, process: str, cells: int, seconds: float) -> float:
@@ -176,8 +194,6 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
     ------
     TornBlockError
         If a block is missing or cannot be read; it is to be computed anew.
-    OtherVersionError
-        If this version of vibrafeed knows the study by another identifier.
     """
     started = time.perf_counter()
     store = Store(Path(directory))
@@ -185,15 +201,15 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
         if store.manifest(key) is not None:
             store.drop_blocks(key)
         elif process not in KINDS:
-            prepared = _study(directory, key, process)
+            prepared = _study(directory, key)
             from vibrafeed.app.jobs.accuracy import write_report
 
             write_report(store, key, process, prepared, cells, seconds)
         elif cells == IN_GROUP:
-            group = large.group_of_job(store, key, _study(directory, key, process))
+            group = large.group_of_job(store, key, _study(directory, key))
             large.finish(store, key, process, group, seconds)
         else:
-            prepared = _study(directory, key, process)
+            prepared = _study(directory, key)
             pieces = Cut(prepared, cells)
             count = len(pieces)
             blocks = ((pieces.box(i), store.read_block(key, cells, i)) for i in range(count))
@@ -206,7 +222,7 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
 
 
 @lru_cache(maxsize=16)
-def _study(directory: str, key: str, process: str) -> Prepared:
+def _study(directory: str, key: str) -> Prepared:
     """Return a stored study, ready to be computed by this worker.
 
     The latest 16 are cached, as a worker gets one block of cells after another.
@@ -217,18 +233,16 @@ def _study(directory: str, key: str, process: str) -> Prepared:
         The data directory of the service, as the worker sees it.
     key : str
         The study's identifier.
-    process : str
-        What is carried out: the kind of the study, or `accuracy`.
 
     Raises
     ------
     BlindWorkerError
         If the study is not in that directory.
     OtherVersionError
-        If this version of vibrafeed gives the study another identifier.
+        If it was posted to another version of vibrafeed, and this one cannot read it.
     """
     try:
-        prepared = Store(Path(directory)).get(key)
+        return Store(Path(directory)).get(key)
     except NotFoundError:
         raise BlindWorkerError(
             f"A worker on {socket.gethostname()} cannot find the study in {directory}. "
@@ -236,10 +250,8 @@ def _study(directory: str, key: str, process: str) -> Prepared:
             "service (VIBRAFEED_DATA_DIRECTORY) under the same path. Correct that, "
             "then post the study again."
         ) from None
-    if identifier(prepared.study, process) != key:
+    except StudyError as error:
         raise OtherVersionError(
-            "The study was posted to another version of vibrafeed; this worker runs "
-            f"{core.__version__}. Run one version on all servers and workers, then "
-            "post the study again."
-        )
-    return prepared
+            f"vibrafeed {code_version()} cannot read this study of another version: {error}. "
+            "Post it again."
+        ) from None

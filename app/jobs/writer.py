@@ -67,17 +67,11 @@ class Writer:
 
         Raises
         ------
-        LimitError
-            If the sweep is too large, or takes too long, for one reply.
         StoppedError
             If it takes ten times as long as allowed for a reply.
         NoRoomError
             If the file would not fit.
         """
-        self.check(sweep)
-        known = await asyncio.to_thread(self._store.manifest, key)
-        if known is not None:
-            return known
         await asyncio.to_thread(self._make_room, key, sweep.bytes, who)
         # Should it have made room for another meanwhile.
         await asyncio.to_thread(self._store.add, sweep.study)

@@ -43,28 +43,19 @@ def preferred(accept: str, offered: tuple[str, ...]) -> str | None:
     ranges = _ranges(accept)
     if not ranges:
         return offered[0]
-    weights = {name: _weight(name, ranges) for name in offered}
-    best = max(offered, key=lambda name: weights[name])  # the first of equals
-    return best if weights[best] > 0 else None
 
+    def weight(name: str) -> float:
+        closest = (name, f"{name.partition('/')[0]}/*", "*/*")
+        return next((ranges[one] for one in closest if one in ranges), 0.0)
 
-def _weight(name: str, ranges: Mapping[str, float]) -> float:
-    """Return the weight, 0 to 1, that an Accept header gives to a media type; 0 if not accepted.
-
-    `name` is the media type; `ranges` holds the weight of each range in the header, such as
-    `text/*`.
-    """
-    for wanted in (name, f"{name.partition('/')[0]}/*", "*/*"):
-        if wanted in ranges:
-            return ranges[wanted]
-    return 0.0
+    best = max(offered, key=weight)  # the first of equals
+    return best if weight(best) > 0 else None
 
 
 def _ranges(header: str) -> dict[str, float]:
-    """Return the weight, 0 to 1, of each element of an Accept or Accept-Encoding header.
+    """Return the weight, 0 to 1, of each media range of an Accept header, such as `text/*`.
 
-    Elements are media ranges such as `text/*`, or names of codings, in small letters. An element
-    without weight has 1; a malformed weight counts as 0.
+    Names are in small letters. A range without weight has 1; a malformed weight counts as 0.
     """
     weights: dict[str, float] = {}
     for item in header.split(","):
@@ -77,9 +68,3 @@ def _ranges(header: str) -> dict[str, float]:
         if name:
             weights[name] = weight if 0 <= weight <= 1 else 0.0
     return weights
-
-
-def takes_gzip(accept_encoding: str) -> bool:
-    """True if a client accepts gzip."""
-    ranges = _ranges(accept_encoding)
-    return ranges.get("gzip", ranges.get("x-gzip", ranges.get("*", 0.0))) > 0

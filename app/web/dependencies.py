@@ -5,11 +5,12 @@ All are coroutines: FastAPI would send a plain function to a thread, and that ta
 
 from __future__ import annotations
 
-from typing import Annotated, cast
+from collections import Counter
+from typing import Annotated, Any, cast
 
 from fastapi import Depends, Path, Request, params
 from fastapi.concurrency import run_in_threadpool
-from fastapi.exceptions import RequestValidationError
+from fastapi.exceptions import HTTPException, RequestValidationError
 
 from vibrafeed.app.jobs import keys
 from vibrafeed.app.jobs.admission import Admission
@@ -21,35 +22,21 @@ from vibrafeed.app.web.outcomes import no_such_job
 from vibrafeed.app.web.problems import TooLargeError
 from vibrafeed.app.web.zarr_views import ZarrViews
 
-
-async def settings_of(request: Request) -> Settings:
-    """Return the settings of the application."""
-    return cast(Settings, request.app.state.settings)
+MAX_DIGITS = 20  # of a length that fits a limit
 
 
-async def store_of(request: Request) -> Store:
-    """Return the store of the application."""
-    return cast(Store, request.app.state.store)
+def _part(name: str) -> Any:
+    """Return a dependency that gives a part of the application by its name."""
 
+    async def part(request: Request) -> Any:
+        return getattr(request.app.state, name)
 
-async def writer_of(request: Request) -> Writer:
-    """Return the writer of the application's result files."""
-    return cast(Writer, request.app.state.writer)
-
-
-async def admission_of(request: Request) -> Admission:
-    """Return the object that admits and manages jobs."""
-    return cast(Admission, request.app.state.admission)
+    return Depends(part)
 
 
 async def who_of(request: Request) -> keys.Key:
     """Return the key that the request was sent with."""
     return cast(keys.Key, request.state.key)
-
-
-async def views_of(request: Request) -> ZarrViews:
-    """Return the application's views of sweeps as Zarr groups."""
-    return cast(ZarrViews, request.app.state.views)
 
 
 async def base_of(request: Request) -> str:
@@ -65,29 +52,30 @@ def refuse_repeated(*several: str) -> params.Depends:
 
     async def check(request: Request) -> None:
         """Raise `RequestValidationError`, which becomes a 422, if a query parameter is repeated."""
-        names = [name for name in _names(request) if name not in several]
-        if len(names) == len(set(names)):
-            return
-        repeated = {name for name in names if names.count(name) > 1}
+        names = Counter(name for name, _ in request.query_params.multi_items())
+        repeated = [name for name, times in names.items() if times > 1 and name not in several]
         message = "the parameter is given more than once"
-        raise RequestValidationError(
-            [{"loc": ("query", name[:60]), "msg": message} for name in sorted(repeated)]
-        )
+        if repeated:
+            raise RequestValidationError(
+                [{"loc": ("query", name[:60]), "msg": message} for name in sorted(repeated)]
+            )
 
     return cast(params.Depends, Depends(check))
-
-
-def _names(request: Request) -> list[str]:
-    """Return the names of all query parameters, repeated ones as often as they occur."""
-    return [name for name, _ in request.query_params.multi_items()]
 
 
 async def body_of(request: Request) -> bytes:
     """Return the request body; raise `TooLargeError` as soon as it exceeds the limit.
 
-    The limit is the setting `max_body_bytes`.
+    The limit is the setting `max_body_bytes`. A coded body is 415: it may unpack to any size.
     """
-    limit = (await settings_of(request)).max_body_bytes
+    coding = request.headers.get("content-encoding", "identity")
+    if coding.lower() != "identity":
+        detail = f"The body has the content coding {coding[:40]}. Send it without Content-Encoding."
+        raise HTTPException(415, detail, headers={"Accept-Encoding": "identity"})
+    limit = request.app.state.settings.max_body_bytes
+    declared = request.headers.get("content-length", "")
+    if declared.isdecimal() and (len(declared) > MAX_DIGITS or int(declared) > limit):
+        raise TooLargeError(limit)
     pieces, size = [], 0
     async for piece in request.stream():
         size += len(piece)
@@ -97,11 +85,14 @@ async def body_of(request: Request) -> bytes:
     return b"".join(pieces)
 
 
-SettingsOf = Annotated[Settings, Depends(settings_of)]
-StoreOf = Annotated[Store, Depends(store_of)]
-WriterOf = Annotated[Writer, Depends(writer_of)]
-AdmissionOf = Annotated[Admission, Depends(admission_of)]
+SettingsOf = Annotated[Settings, _part("settings")]
+StoreOf = Annotated[Store, _part("store")]
+WriterOf = Annotated[Writer, _part("writer")]
+AdmissionOf = Annotated[Admission, _part("admission")]
+ViewsOf = Annotated[ZarrViews, _part("views")]
 WhoOf = Annotated[keys.Key, Depends(who_of)]
+BaseOf = Annotated[str, Depends(base_of)]
+Body = Annotated[bytes, Depends(body_of)]
 
 
 async def readable_sweep(
@@ -113,12 +104,10 @@ async def readable_sweep(
     `key` is the identifier in the path. Each dependency takes FastAPI some 20 microseconds: what
     the application holds is taken from the request.
     """
-    who = await who_of(request)
-    if not who.sees_all:
-        admission = await admission_of(request)
-        if not await run_in_threadpool(admission.may_read, key, who):
-            raise unknown(key)
-    return key
+    who, admission = request.state.key, request.app.state.admission
+    if who.sees_all or await run_in_threadpool(admission.may_read, key, who):
+        return key
+    raise unknown(key)
 
 
 async def readable_job(
@@ -129,16 +118,11 @@ async def readable_job(
 
     `number` is the identifier in the path.
     """
-    who = await who_of(request)
-    if not who.sees_all:
-        admission = await admission_of(request)
-        if await run_in_threadpool(admission.job, number, who) is None:
-            raise no_such_job(number)
-    return number
+    who, admission = request.state.key, request.app.state.admission
+    if who.sees_all or await run_in_threadpool(admission.job, number, who) is not None:
+        return number
+    raise no_such_job(number)
 
 
 SweepKey = Annotated[str, Depends(readable_sweep)]
 Number = Annotated[str, Depends(readable_job)]
-ViewsOf = Annotated[ZarrViews, Depends(views_of)]
-BaseOf = Annotated[str, Depends(base_of)]
-Body = Annotated[bytes, Depends(body_of)]

@@ -39,46 +39,6 @@ class Link(BaseModel):
     title: str | None = None
 
 
-class LandingPage(BaseModel):
-    """Links to the parts of the service."""
-
-    title: str
-    description: str
-    links: list[Link]
-
-
-class Conformance(BaseModel):
-    """The classes of the standard that the service conforms to."""
-
-    conformsTo: list[str]  # noqa: N815 - the standard's name
-
-
-class ProcessSummary(BaseModel):
-    """One process in the list."""
-
-    id: str
-    version: str
-    title: str
-    description: str
-    jobControlOptions: list[str]  # noqa: N815
-    outputTransmission: list[str]  # noqa: N815
-    links: list[Link]
-
-
-class ProcessList(BaseModel):
-    """All processes."""
-
-    processes: list[ProcessSummary]
-    links: list[Link]
-
-
-class ProcessDescription(ProcessSummary):
-    """One process with the schemas of what it takes and gives."""
-
-    inputs: dict[str, Any]
-    outputs: dict[str, Any]
-
-
 class StatusInfo(BaseModel):
     """The status of a job."""
 
@@ -135,6 +95,10 @@ class ResultFile(Link):
     )
     elapsedSeconds: float = Field(description="Computing time in seconds.")  # noqa: N815
     cellsPerSecond: float  # noqa: N815
+    version: str = Field(
+        description="Version of vibrafeed that computed it, and a digest of the code, as in "
+        "`0.1.0+1f2e3d4c`."
+    )
 
 
 class Results(BaseModel):
@@ -285,6 +249,7 @@ def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
             "length": manifest.files[ZARR if is_group else NETCDF]["bytes"],
             "elapsedSeconds": manifest.seconds,
             "cellsPerSecond": manifest.cells / max(manifest.seconds, 1e-9),
+            "version": manifest.version,
         }
     }
     if others:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import time
 
-from limits import RateLimitItemPerSecond
+from limits import RateLimitItemPerMinute, RateLimitItemPerSecond
 from limits.storage import MemoryStorage
 from limits.strategies import MovingWindowRateLimiter
 from starlette.datastructures import Headers
@@ -13,16 +14,21 @@ from starlette.responses import Response
 from starlette.types import Scope
 
 from vibrafeed.app import logs
+from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.keys import NOBODY, Key, Keys, hash_of
-from vibrafeed.app.web.refused_keys import RefusedKeys
 from vibrafeed.app.web.replies import problem_document
+
+logger = logging.getLogger("vibrafeed.keys")
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.
 ADMIN_PATHS = frozenset({"/metrics"})
+NOT_ALLOWED = "The role of the key does not allow it"
 MAX_KEYS = 2  # in one request: each takes a look at all keys
-OF_KEY = "key "  # begins the name of an owner who has a key
 SOON = 0.01  # s between checks that another request has read the keys
+INVALID = RateLimitItemPerMinute(60)  # wrong keys of an address; more of them are answered by 429
+FIRST = RateLimitItemPerMinute(1)  # of them, which is noted in the audit log
+NOTED = RateLimitItemPerMinute(10)  # entries there in all: each is written to the disk
 
 
 def path_of(scope: Scope) -> str:
@@ -53,9 +59,8 @@ class Entry:
     """
 
     def __init__(self, keys: Keys):
-        """Check requests against keys; wrong keys are counted and slowed."""
+        """Check requests against keys; wrong keys are counted."""
         self.keys = keys
-        self._refused = RefusedKeys(keys.note_refused)
         self._is_looking = False
         # In this process's memory: of several servers each allows so many.
         self._rates = MovingWindowRateLimiter(MemoryStorage())
@@ -90,7 +95,7 @@ class Entry:
         ASGI's description of the request.
         """
         if not self.keys.are_needed:
-            _enter(scope, NOBODY)
+            scope.setdefault("state", {})["key"] = NOBODY
             return None
         sent = set(_sent_keys(headers))
         if len(sent) > MAX_KEYS:
@@ -103,49 +108,48 @@ class Entry:
         names = {key.name for key in keys if key is not None and key.stands(now)}
         if len(names) != 1 or not all(key is not None and key.stands(now) for key in keys):
             known = next((key.name for key in keys if key is not None), "")
-            if await self._refused.slowed((scope.get("client") or ("",))[0], known):
-                return _without("The access key is unknown.")
-            return problem_document(
-                429, "wrong-keys", "Too many wrong keys", "Repeat the request with the right key.",
-                headers={"Retry-After": "60"},
-            )  # fmt: skip
+            return await self._refuse_key(str((scope.get("client") or ("",))[0]), known)
         (key,) = {key.hash: key for key in keys if key is not None}.values()
         logs.bind(key=key.name)
-        _enter(scope, key)
-        return self._beyond_role(scope, key) or self._too_often(key)
+        scope.setdefault("state", {})["key"] = key
+        return self._beyond(scope, key)
 
-    def _beyond_role(self, scope: Scope, key: Key) -> Response | None:
-        """Return the reply 403 if the role of an API key does not allow the request; else None.
+    async def _refuse_key(self, address: str, known: str) -> Response:
+        """Return the reply to a wrong key: 401, or 429 after very many of an address.
 
-        `scope` is ASGI's description of the request, `key` the accepted key: `read` may change
-        nothing, and some paths need `admin`.
+        The first of an address in a minute goes to the audit log. `known` is the name of the key if
+        it was in force once, else empty.
+        """
+        if self._rates.hit(FIRST, "first", address) and self._rates.hit(NOTED, "noted"):
+            try:
+                await asyncio.to_thread(self.keys.note_refused, address, known)
+            except Exception:  # such as a full disk: the key is refused all the same
+                logger.exception("a refused key cannot be noted")
+        if self._rates.hit(INVALID, "invalid", address):
+            return _without("The access key is unknown.")
+        return problem_document(
+            429, "wrong-keys", "Too many wrong keys", "Repeat the request with the right key.",
+            headers={"Retry-After": "60"},
+        )  # fmt: skip
+
+    def _beyond(self, scope: Scope, key: Key) -> Response | None:
+        """Return the reply to a request beyond what an API key allows; None if it may pass.
+
+        It is 403 if its role does not allow the request: `read` may change nothing, and some paths
+        need `admin`. It is 429 if it sends more requests per second than it may.
         """
         if key.role == "read" and scope["method"] not in SAFE_METHODS:
             detail = "The role of this key is `read`: it may post, change and dismiss nothing."
-        elif key.role != "admin" and path_of(scope) in ADMIN_PATHS:
+            return problem_document(403, "role", NOT_ALLOWED, detail)
+        if key.role != "admin" and path_of(scope) in ADMIN_PATHS:
             detail = f"This needs a key of the role `admin`; the role of this one is `{key.role}`."
-        else:
-            return None
-        return problem_document(403, "role", "The role of the key does not allow it", detail)
-
-    def _too_often(self, key: Key) -> Response | None:
-        """Return the reply 429 if an API key sends more requests per second than it may; else None.
-
-        The request is counted. A key without limit is never refused.
-        """
-        if key.requests is None:
-            return None
-        if self._rates.hit(RateLimitItemPerSecond(key.requests), key.name):
+            return problem_document(403, "role", NOT_ALLOWED, detail)
+        if key.requests is None or self._rates.hit(RateLimitItemPerSecond(key.requests), key.name):
             return None
         detail = f"Your key may send {key.requests:,} requests a second."
         return problem_document(
             429, "rate", "Too many requests", detail, headers={"Retry-After": "1"}
         )
-
-
-def _enter(scope: Scope, key: Key) -> None:
-    """Store the key of a request in its state."""
-    scope.setdefault("state", {})["key"] = key
 
 
 def _without(detail: str) -> Response:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
-from pydantic import BaseModel, ConfigDict, Field, RootModel
+from pydantic import BaseModel, ConfigDict, Field, RootModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.plan.kind import Kind
+from vibrafeed.core.plan.pieces import Kind
 from vibrafeed.core.study import Study
 
 ACCURACY = "accuracy"
@@ -78,27 +79,26 @@ PROCESSES: dict[str, Process] = {
 """Every process, by its identifier."""
 
 
-@dataclass(frozen=True)
-class Execution:
-    """The body of an execute request.
+class Inputs(BaseModel):
+    """The inputs of a process: the study."""
 
-    Attributes
-    ----------
-    study : object
-        What is to be the study.
-    as_document : bool
-        The reply is to name the output, as in ``{"dataset": {"value": ...}}``.
-    """
-
-    study: object
-    as_document: bool
+    study: dict[str, Any]
 
 
-def read_execution(content: object, kind: str) -> Execution:
-    """Return the study and the requested form of reply in the body of an execute request.
+class ExecuteRequest(BaseModel):
+    """An execute request of OGC API - Processes, with the study under `inputs.study`."""
+
+    inputs: Inputs
+    outputs: dict[Literal["dataset"], Any] | None = None
+    response: Literal["raw", "document"] = "raw"
+
+
+def read_execution(content: object, kind: str) -> tuple[object, bool]:
+    """Return the study in the body of an execute request, and whether to reply by a document.
 
     The body (`content`, parsed JSON) is the study itself, or an execute request with the study
-    under ``inputs.study``. `kind` is the process; a study without `kind` gets this one.
+    under ``inputs.study``. `kind` is the process; a study without `kind` gets this one. A document
+    names the output, as in ``{"dataset": {"value": ...}}``.
 
     Raises
     ------
@@ -107,19 +107,15 @@ def read_execution(content: object, kind: str) -> Execution:
     """
     as_document = False
     if isinstance(content, Mapping) and "inputs" in content:
-        as_document = _read_wishes(content)
-        inputs = content["inputs"]
-        study = inputs.get("study") if isinstance(inputs, Mapping) else None
-        if isinstance(study, Mapping) and set(study) <= {"value", "mediaType"}:
-            study = study.get("value")
-        if not isinstance(study, Mapping):
-            fix = 'Send {"inputs": {"study": {...}}}'
-            raise StudyError([Problem("inputs.study", "there is no study", fix)])
-        content = study
-    if not isinstance(content, Mapping):
-        return Execution(content, as_document)
-    if kind == ACCURACY:
-        return Execution(content, as_document)
+        try:
+            asked = ExecuteRequest.model_validate(content)
+        except ValidationError as error:
+            raise StudyError([_problem_of(one) for one in error.errors()]) from None
+        as_document, content = asked.response == "document", asked.inputs.study
+        if set(content) <= {"value", "mediaType"}:
+            content = content.get("value")
+    if not isinstance(content, Mapping) or kind == ACCURACY:
+        return content, as_document
     named = content.get("kind", kind)
     if named != kind:
         problem = Problem(
@@ -128,39 +124,9 @@ def read_execution(content: object, kind: str) -> Execution:
             f"Write kind = '{kind}', or post the study to the process of its own kind",
         )
         raise StudyError([problem])
-    return Execution({"kind": kind, **content}, as_document)
+    return {"kind": kind, **content}, as_document
 
 
-def _read_wishes(content: Mapping[str, Any]) -> bool:
-    """True if an execute request asks for a document as reply, False for the bare result.
-
-    `content` is the request. Raises `StudyError` with all problems if it asks for another form of
-    reply or another output.
-    """
-    problems = []
-    response = content.get("response", "raw")
-    if response not in ("raw", "document"):
-        message = f"{str(response)[:60]!r} is not a form of reply"
-        problems.append(Problem("response", message, "Write 'raw' or 'document'"))
-    outputs = content.get("outputs") or {}
-    if not isinstance(outputs, Mapping):
-        problems.append(
-            Problem(
-                "outputs",
-                "outputs of the execute request is not a JSON object",
-                "Leave outputs out",
-            )
-        )
-    else:
-        problems += [
-            Problem(
-                f"outputs.{str(name)[:60]}",
-                f"a process has no output {str(name)[:60]!r}",
-                "In outputs, request the only output, dataset",
-            )
-            for name in outputs
-            if name != "dataset"
-        ]
-    if problems:
-        raise StudyError(problems)
-    return response == "document"
+def _problem_of(error: ErrorDetails) -> Problem:
+    place = ".".join(str(part)[:60] for part in error["loc"] if part != "[key]")
+    return Problem(place, error["msg"], 'Send {"inputs": {"study": {...}}}')

@@ -1,6 +1,6 @@
-"""The guard in front of the routes: names and origins, limits, safe headers.
+"""The guard in front of the routes: names and origins, keys, limits.
 
-Plain ASGI layers: they pass streams on piece by piece. What a key lets do is
+A plain ASGI layer: it passes streams on piece by piece. What a key lets do is
 `vibrafeed.app.web.entry`'s.
 """
 
@@ -10,21 +10,21 @@ import ipaddress
 import logging
 import re
 import sqlite3
+import threading
 from collections import Counter
-from typing import Any
 
 from fastapi import FastAPI
 from fastapi.responses import Response
 from starlette.datastructures import Headers
 from starlette.middleware.cors import CORSMiddleware
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from vibrafeed.app.jobs import disk
+from vibrafeed.app.jobs.fair_queue import OF_KEY
 from vibrafeed.app.jobs.keys import Keys
 from vibrafeed.app.settings import Settings
-from vibrafeed.app.web.entry import OF_KEY, SAFE_METHODS, Entry, owner_of, path_of
-from vibrafeed.app.web.problems import STATUS, TooLargeError
-from vibrafeed.app.web.replies import problem_document, problems
+from vibrafeed.app.web.entry import SAFE_METHODS, Entry, owner_of, path_of
+from vibrafeed.app.web.replies import problem_document
 
 logger = logging.getLogger("vibrafeed")
 
@@ -38,22 +38,9 @@ MAX_NAMES = 256  # parameters of a query
 # One key has at most 1/SHARE of the requests that may be under way; without keys one address
 # leaves 1/SHARE of them to others.
 SHARE = 4
+SOON = {"Retry-After": "1"}
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 _HOST = re.compile(r"([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
-
-# Pairs as ASGI has them: added to every reply, and no route sets one of them.
-SAFE = [
-    (b"x-content-type-options", b"nosniff"),
-    (b"x-frame-options", b"DENY"),
-    (b"referrer-policy", b"no-referrer"),
-    (b"cross-origin-resource-policy", b"same-origin"),
-]
-API_POLICY = b"default-src 'none'; frame-ancestors 'none'"
-# Both pages: no script, style or handler within them, nothing that comes from elsewhere.
-PAGE_POLICY = (
-    b"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-    b"connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
-)
 
 
 def is_loopback(host: str) -> bool:
@@ -84,13 +71,13 @@ def is_page(path: str) -> bool:
     return path == "/" or path.startswith("/page/")
 
 
-def install(app: FastAPI, settings: Settings, keys: Keys) -> None:
+def install(app: FastAPI, settings: Settings, keys: Keys, stopping: threading.Event) -> None:
     """Add the middleware of this module to the application; the last one added runs first.
 
     It limits requests, checks keys and origins, and lets pages of the allowed origins in (CORS).
+    Once `stopping` is set, new work is refused.
     """
-    app.add_middleware(Limits, settings=settings)
-    app.add_middleware(Guard, settings=settings, keys=keys)
+    app.add_middleware(Guard, settings=settings, keys=keys, stopping=stopping)
     if settings.cors_origins:
         app.add_middleware(
             CORSMiddleware,
@@ -106,51 +93,45 @@ def install(app: FastAPI, settings: Settings, keys: Keys) -> None:
                 "X-Request-ID",
             ],
         )  # fmt: skip
-    _describe(app, keys)
-
-
-class SafeHeaders:
-    """Middleware that adds security headers to every reply, such as a content security policy."""
-
-    def __init__(self, app: ASGIApp):
-        """Wrap an application."""
-        self.app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Handle a request; add security headers to its reply."""
-        path = path_of(scope)
-        policy = PAGE_POLICY if is_docs(path) or is_page(path) else API_POLICY
-
-        async def with_headers(message: Message) -> None:
-            """Send a message, with security headers at the start of a reply."""
-            if message["type"] == "http.response.start":
-                message["headers"] = [
-                    *message["headers"], *SAFE, (b"content-security-policy", policy)
-                ]  # fmt: skip
-            await send(message)
-
-        await self.app(scope, receive, with_headers)
 
 
 class Guard:
-    """Middleware that lets in requests with a valid key or, without keys, those of this machine."""
+    """Middleware that refuses requests before their body is read.
 
-    def __init__(self, app: ASGIApp, settings: Settings, keys: Keys):
-        """Wrap an application, with the keys and the allowed origins."""
+    It lets in requests with a valid key or, without keys, those of this machine, within the limits
+    of the service, and no new work once the service stops.
+    """
+
+    def __init__(self, app: ASGIApp, settings: Settings, keys: Keys, stopping: threading.Event):
+        """Wrap an application, with the keys, the allowed origins and the limits."""
         self.app = app
+        self.settings, self.stopping = settings, stopping
         self.entry = Entry(keys)
-        self.origins = frozenset(settings.cors_origins)
+        self.under_way: Counter[str] = Counter()  # by owner
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Handle a request, or refuse it before its body is read."""
-        if scope["type"] == "websocket":  # the service has none; none slips past
-            await send({"type": "websocket.close", "code": 1008})
+        """Handle a request, or refuse it."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
             return
-        refusal = await self._refusal(scope) if scope["type"] == "http" else None
-        await (refusal or self.app)(scope, receive, send)
+        refusal: ASGIApp | None = await self._stranger(scope)
+        if path_of(scope) not in HEALTH:
+            refusal = refusal or self._excess(scope)
+        elif refusal is None:
+            refusal = self.app  # without a place: it is to answer however much is under way
+        if refusal is not None:
+            await refusal(scope, receive, send)
+            return
+        owner = owner_of(scope)
+        self.under_way[owner] += 1
+        try:
+            await self.app(scope, receive, send)
+        finally:
+            self.under_way[owner] -= 1
+            self.under_way = +self.under_way  # without owners who have none
 
-    async def _refusal(self, scope: Scope) -> Response | None:
-        """Return the error reply to a request that may not pass; None if it may.
+    async def _stranger(self, scope: Scope) -> Response | None:
+        """Return the error reply to a request that may not enter; None if it may.
 
         Checked are path, query and host, the origin of the page that sent it, and the key. `scope`
         is ASGI's description of the request.
@@ -194,8 +175,8 @@ class Guard:
         So are requests of web pages whose name resolves to this machine: `name`, that of the Host
         header, has to be a loopback name.
         """
-        local = (scope.get("server") or ("",))[0] or ""
-        if _is_address(local) and not is_loopback(local):
+        local = (scope.get("server") or ("",))[0] or "/"
+        if not local.startswith("/") and not is_loopback(local):  # else it is a socket of Unix
             why = "No keys exist, so the service answers only on loopback addresses."
         elif name not in LOOPBACK_NAMES:
             # Any page can have a name of its own resolve to 127.0.0.1; its browser still sends it.
@@ -212,121 +193,33 @@ class Guard:
         is the Host header in small letters.
         """
         origin = headers.get("origin")
-        if origin is None or method in SAFE_METHODS or origin in self.origins:
+        if origin is None or method in SAFE_METHODS or origin in self.settings.cors_origins:
             return None
         if host and origin.lower().partition("://")[2] == host:
             return None
         detail = "Pages of other origins may only read. VIBRAFEED_CORS_ORIGINS names exceptions."
         return problem_document(403, "origin", "The page comes from another origin", detail)
 
-
-class Limits:
-    """Middleware that refuses a request if too many are under way, or if its body is too large."""
-
-    def __init__(self, app: ASGIApp, settings: Settings):
-        """Wrap an application, with limits of requests under way and of body size."""
-        self.app = app
-        self.most = settings.max_requests
-        self.most_bytes = settings.max_body_bytes
-        self.under_way = 0
-        self.of_owners: Counter[str] = Counter()
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Handle a request, or refuse it before its body is read."""
-        if scope["type"] != "http" or path_of(scope) in HEALTH:
-            await self.app(scope, receive, send)
-            return
-        owner = owner_of(scope)
-        refusal = self._refusal(scope, owner)
-        if refusal is not None:
-            await refusal(scope, receive, send)
-            return
-        self.under_way += 1
-        self.of_owners[owner] += 1
-        try:
-            await self.app(scope, receive, send)
-        finally:
-            self.under_way -= 1
-            self.of_owners[owner] -= 1
-            if not self.of_owners[owner]:
-                del self.of_owners[owner]
-
-    def _refusal(self, scope: Scope, owner: str) -> Response | None:
+    def _excess(self, scope: Scope) -> Response | None:
         """Return the error reply to a request beyond the service's limits; None if it may pass.
 
         The reply is 429 if the account has its share of the requests under way, 503 if the service
-        has as many as it takes, and 413 if the declared body is too large. `scope` is ASGI's
-        description of the request; `owner` is its account, an API key or address.
+        has as many as it takes, or stops. `scope` is ASGI's description of the request.
         """
-        part = self.most // SHARE
-        share = max(1, part if owner.startswith(OF_KEY) else self.most - part)
-        if share <= self.of_owners[owner] and self.under_way < self.most:
+        owner, most = owner_of(scope), self.settings.max_requests
+        is_full = self.under_way.total() >= most
+        part = most // SHARE
+        share = max(1, part if owner.startswith(OF_KEY) else most - part)
+        if share <= self.under_way[owner] and not is_full:
             detail = f"You have {share:,} requests under way, which is your share."
+            return problem_document(429, "rate", "Too many requests", detail, headers=SOON)
+        if is_full:
+            detail = f"{most:,} requests are under way, the most that are taken at a time."
+            return problem_document(503, "busy", "The service is busy", detail, headers=SOON)
+        if scope["method"] == "POST" and self.stopping.is_set():
+            detail = "The service takes no new work. Accepted work continues on the next server."
+            later = {"Retry-After": "5", "Connection": "close"}
             return problem_document(
-                429, "rate", "Too many requests", detail, headers={"Retry-After": "1"}
+                503, "stopping", "The service is stopping", detail, headers=later
             )
-        if self.under_way >= self.most:
-            detail = f"{self.most:,} requests are under way, the most that are taken at a time."
-            return problem_document(
-                503, "busy", "The service is busy", detail, headers={"Retry-After": "1"}
-            )
-        length = Headers(scope=scope).get("content-length", "")
-        if scope["method"] not in SAFE_METHODS and length.isdigit():
-            # Zeros in front count for nothing; what is longer than 20 digits is too large anyway.
-            size = int(length.lstrip("0")[:20] or "0")
-            if size > self.most_bytes:
-                return problem_document(*STATUS[TooLargeError], str(TooLargeError(self.most_bytes)))
         return None
-
-
-def _is_address(text: str) -> bool:
-    """True if a text is an IP address."""
-    try:
-        ipaddress.ip_address(text)
-    except ValueError:
-        return False
-    return True
-
-
-def _describe(app: FastAPI, keys: Keys) -> None:
-    """Make the OpenAPI document of an application describe its API keys, and refusals.
-
-    `keys` shows whether any exist: then they are described as required, else as optional.
-    """
-    plain = app.openapi
-    ways: list[dict[str, list[str]]] = [{"bearer": []}, {"header": []}]
-
-    def openapi() -> dict[str, Any]:
-        """Return the OpenAPI document with the security schemes and the replies of refusals."""
-        is_new = app.openapi_schema is None
-        document = plain()
-        document.setdefault("components", {})["securitySchemes"] = {
-            "bearer": {"type": "http", "scheme": "bearer"},
-            "header": {"type": "apiKey", "in": "header", "name": "X-API-Key"},
-        }
-        for path, operations in document["paths"].items():
-            for operation in operations.values():
-                if is_open(path):
-                    operation["security"] = []
-                    continue
-                # Keys come and go while the service runs; replies do not.
-                operation["security"] = ways if keys.are_needed else [{}, *ways]
-                if is_new:
-                    _tell_refusals(operation["responses"])
-        return document
-
-    app.openapi = openapi  # type: ignore[method-assign]
-
-
-def _tell_refusals(responses: dict[str, Any]) -> None:
-    """Add the replies of refused requests (401, 403, 414, 429) to a route's OpenAPI replies."""
-    header = {"WWW-Authenticate": {"schema": {"type": "string"}}}
-    told = problems(s401="No key, or a wrong one, where keys are needed")
-    responses["401"] = {**told[401], "headers": header}
-    others = problems(
-        s403="The role of the key does not allow it",
-        s414="The query is too long",
-        s429="The key sends too many requests",
-    )
-    for status, reply in others.items():
-        responses.setdefault(str(status), reply)

@@ -1,4 +1,4 @@
-"""Around nearly all else: a request has an identifier, a line in the log, and is counted."""
+"""Around all else: a request has an identifier, a line in the log, a count, and safe headers."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from vibrafeed.app import logs
+from vibrafeed.app.web.entry import path_of
+from vibrafeed.app.web.guard import is_docs, is_page
 from vibrafeed.app.web.metrics import Metrics
 from vibrafeed.app.web.problems import unforeseen
 
@@ -24,9 +26,22 @@ logger = logging.getLogger("vibrafeed.requests")
 
 REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 CLIENT_LEFT = 499  # the status that proxies log for a client that left before the reply
-MAX_LEFT_LINES = 20  # log lines a second on clients that left
-MAX_READ_LINES = 150  # log lines a second on requests that only read: 4 GB a day at 300 bytes each
 NO_ROUTE = "(none)"
+ABSOLUTE = re.compile(r"https?://([^/?#]*)(.*)", re.IGNORECASE | re.DOTALL)
+
+# No route sets one of them.
+SAFE = {
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+API_POLICY = "default-src 'none'; frame-ancestors 'none'"
+# Both pages: no script, style or handler within them, nothing that comes from elsewhere.
+PAGE_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    "connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
+)
 
 
 class Observe:
@@ -36,11 +51,6 @@ class Observe:
         """Wrap an application; record its requests in metrics, traces and log."""
         self.app = app
         self.metrics, self.traces = metrics, traces
-        self._left = logs.Sparing(
-            MAX_LEFT_LINES,
-            "requests of clients that left before they were answered are not counted",
-        )
-        self._read = logs.Sparing(MAX_READ_LINES, "requests that read have no lines of their own")
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request; write its log line, metrics and span when the reply has ended.
@@ -51,17 +61,21 @@ class Observe:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
+        _take_absolute_form(scope)
+        path = path_of(scope)
+        policy = PAGE_POLICY if is_docs(path) or is_page(path) else API_POLICY
         headers = Headers(scope=scope)
         given = headers.get("x-request-id", "")
         request_id = given if REQUEST_ID.fullmatch(given) else uuid.uuid4().hex
         status, sent, ended = 0, 0, False
 
         async def watched(message: Message) -> None:
-            """Send a message; record status and size, and add the request's identifier."""
+            """Send a message; record status and size, and add headers to the start of a reply."""
             nonlocal status, sent, ended
             if message["type"] == "http.response.start":
                 status = message["status"]
-                MutableHeaders(scope=message)["X-Request-ID"] = request_id
+                added = {**SAFE, "Content-Security-Policy": policy, "X-Request-ID": request_id}
+                MutableHeaders(scope=message).update(added)
             elif message["type"] == "http.response.body":
                 sent += len(message.get("body", b""))
                 ended = not message.get("more_body", False)
@@ -85,7 +99,8 @@ class Observe:
             finally:
                 seconds = time.perf_counter() - started
                 route = route_of(scope)
-                self.metrics.count(scope["method"], route, status, seconds)
+                cause = str(fields.get("problem", "")) if status >= 400 else ""
+                self.metrics.count(scope["method"], route, status, seconds, cause)
                 if self.traces and span is not None:
                     self.traces.answered(span, scope["method"], route, status)
                 line = {
@@ -98,14 +113,18 @@ class Observe:
                 }
                 if not ended:
                     line["cut_short"] = True
-                if self._has_room(scope["method"], status):
-                    logger.info("request", extra={**line, **fields})
+                logger.info("request", extra={**line, **fields})
 
-    def _has_room(self, method: str, status: int) -> bool:
-        """True if a request has a line: all that change something, or went wrong here, have one."""
-        if status == CLIENT_LEFT:
-            return self._left.has_room()
-        return method not in ("GET", "HEAD") or status >= 500 or self._read.has_room()
+
+def _take_absolute_form(scope: Scope) -> None:
+    """Give a request for a whole URL, as clients send to proxies, its path and host (RFC 9112)."""
+    root = scope.get("root_path", "")
+    absolute = ABSOLUTE.fullmatch(scope["path"].removeprefix(root))
+    if absolute:
+        host, path = absolute.groups()
+        scope["path"] = f"{root}{path or '/'}"
+        others = [pair for pair in scope["headers"] if pair[0] != b"host"]
+        scope["headers"] = [(b"host", host.encode()), *others]
 
 
 def route_of(scope: Scope) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from fastapi.responses import Response
@@ -12,9 +13,8 @@ from vibrafeed.app.jobs.errors import GoneError, NotFoundError
 from vibrafeed.app.jobs.ledger import ACTIVE, Job
 from vibrafeed.app.jobs.manifest import Manifest
 from vibrafeed.app.web.documents import results
-from vibrafeed.app.web.downloads import Check
-from vibrafeed.app.web.problems import BusyError, NoSuchJobError, NotReadyError
-from vibrafeed.app.web.replies import json_reply, problem_document
+from vibrafeed.app.web.problems import FailedError, NoSuchJobError, NotReadyError
+from vibrafeed.app.web.replies import json_reply
 
 
 def find_job(admission: Admission, number: str) -> Job:
@@ -30,22 +30,22 @@ def no_such_job(number: str) -> NoSuchJobError:
     return NoSuchJobError(f"There is no job '{number[:80]}'. GET /jobs lists them.")
 
 
-def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
-    """Return the manifest (list of files) of a job's result, or a problem document if it failed.
+def manifest_of(admission: Admission, job: Job) -> Manifest:
+    """Return the manifest (list of files) of a job's result.
 
     `admission` is the object that holds ledger and store of jobs.
 
     Raises
     ------
+    FailedError
+        If the job failed.
     NotReadyError
         If the job is not done, or its result is damaged and computed again.
-    BusyError
-        While the result is being fetched from the object store.
     GoneError, NotFoundError
         If the result was removed.
     """
     if job.problem is not None:
-        return problem_document(**job.problem)
+        raise FailedError(job.problem)
     if job.gone:
         raise GoneError(
             f"The result of the job {job.id} was removed to make room. Post its study again."
@@ -56,47 +56,28 @@ def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
             "when the job is successful."
         )
     manifest = None if job.state == "dismissed" else admission.store.manifest(job.key)
-    if manifest is None and job.state == "successful":
-        is_there = admission.store.fetch(job.key)
-        if is_there is None:
-            raise BusyError(
-                f"The results of the job {job.id} are being fetched from the object store. "
-                "Request them again in a few seconds."
-            )
-        manifest = admission.store.manifest(job.key) if is_there else None
     if manifest is None:
         raise _recompute(admission, job)
     return manifest
 
 
-def check_of(admission: Admission, job: Job, path: Path) -> Check:
-    """Return the check that a file of a job's result is intact, made before the file is sent.
+def check_file(admission: Admission, job: Job, path: Path, digest: str) -> None:
+    """Compare a file of a job's result with its SHA-256 before it is sent.
 
-    If the file is damaged, the check removes it, queues the job again, and raises the error for the
-    client.
+    A damaged or missing file is removed with its result, and the job queued again.
 
-    Parameters
-    ----------
-    admission : Admission
-        The object that holds ledger and store of jobs.
-    job : Job
-        The job.
-    path : Path
-        The file.
+    Raises
+    ------
+    NotReadyError, NotFoundError
+        If the file is damaged or missing, and the result is computed again, or cannot be.
     """
-
-    def broken(status: os.stat_result) -> Exception:
-        """Remove the damaged result, queue its job again, and return the error for the client."""
-        admission.store.remove_file(job.key, path, status)
-        return _recompute(admission, job)
-
-    return Check(admission.store.integrity, broken)
-
-
-def error_for_missing_file(admission: Admission, job: Job, path: Path) -> Exception:
-    """Return the error for a file that is missing from a result, and have it computed again."""
-    admission.store.remove_file(job.key, path)
-    return _recompute(admission, job)
+    store, damaged = admission.store, None
+    with suppress(FileNotFoundError), path.open("rb", buffering=0) as file:
+        if store.integrity.look(file, digest):
+            return
+        damaged = os.fstat(file.fileno())
+    store.remove_file(job.key, path, damaged)
+    raise _recompute(admission, job)
 
 
 def _recompute(admission: Admission, job: Job) -> Exception:
@@ -116,12 +97,9 @@ def _recompute(admission: Admission, job: Job) -> Exception:
 
 
 def results_reply(admission: Admission, job: Job, base: str) -> Response:
-    """Return the reply with the results of a job, or the problem document if the job failed.
+    """Return the reply with the results of a job.
 
     `base` is the address of the service, for links. Raises the errors of `manifest_of` if the
     results are not there.
     """
-    manifest = manifest_of(admission, job)
-    if isinstance(manifest, Response):
-        return manifest
-    return json_reply(results(job, manifest, base))
+    return json_reply(results(job, manifest_of(admission, job), base))

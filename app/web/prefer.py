@@ -5,16 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from urllib.request import parse_http_list
 
 MOST = 2_000  # characters that are read
-
-# Every repetition is possessive: what cannot be told apart in two ways is not tried in two ways.
-_TOKEN = r"[!#$%&'*+.^_`|~0-9A-Za-z-]++"
-_WORD = rf'(?:{_TOKEN}|"(?:[^"\\]|\\.)*+")'
-_PREFERENCE = re.compile(
-    rf"\s*+(?P<name>{_TOKEN})(?:\s*+=\s*+(?P<value>{_WORD}))?+"
-    rf"(?:\s*+;\s*+(?:{_TOKEN}(?:\s*+=\s*+{_WORD})?+)?+)*+\s*+(?:,|$)"
-)
 
 
 @dataclass(frozen=True)
@@ -39,21 +32,13 @@ def preferences(headers: Iterable[str]) -> Preferences:
     Of a preference that is given more than once the first counts, as the standard asks. Anything
     past the first 2,000 characters, or cut off there, is ignored.
     """
-    values: dict[str, str | None] = {}
     text = ",".join(headers)
     if len(text) > MOST:
         text = text[:MOST].rpartition(",")[0]
-    position = 0
-    while position < len(text):
-        match = _PREFERENCE.match(text, position)
-        if match is None:  # on with the next element
-            position = text.find(",", position) + 1 or len(text)
-            continue
-        position = match.end()
-        value = match["value"]
-        if value is not None and value.startswith('"'):
-            value = re.sub(r"\\(.)", r"\1", value[1:-1])
-        values.setdefault(match["name"].lower(), value)
-    wait = values.get("wait")
-    is_number = wait is not None and re.fullmatch(r"[0-9]{1,9}", wait) is not None
-    return Preferences("respond-async" in values, int(str(wait)) if is_number else None)
+    values: dict[str, str] = {}
+    for element in parse_http_list(text):
+        name, _, value = element.partition(";")[0].partition("=")
+        values.setdefault(name.strip().lower(), value.strip().strip('"'))
+    wait = values.get("wait", "")
+    seconds = int(wait) if re.fullmatch(r"[0-9]{1,9}", wait) else None
+    return Preferences("respond-async" in values, seconds)

@@ -10,11 +10,10 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response
 from starlette.exceptions import HTTPException
-from starlette.routing import Match
+from starlette.routing import Match, Mount
 
 from vibrafeed.app.jobs import disk
 from vibrafeed.app.jobs.errors import (
-    FetchingError,
     GoneError,
     NoRoomError,
     NotFoundError,
@@ -23,7 +22,7 @@ from vibrafeed.app.jobs.errors import (
     QueueFullError,
     TooManyJobsError,
 )
-from vibrafeed.app.jobs.process_pool import EndedError
+from vibrafeed.app.jobs.process_pool import EndedError, LostError, SlowError
 from vibrafeed.app.web.replies import problem_document
 from vibrafeed.core.errors import (
     LimitError,
@@ -43,6 +42,10 @@ class NoSuchProcessError(NotFoundError):
 
 class NoSuchJobError(NotFoundError):
     """There is no such job."""
+
+
+class FailedError(VibrafeedError):
+    """A job failed; its argument is the problem document."""
 
 
 class NotReadyError(NotFoundError):
@@ -84,11 +87,13 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     GoneError: (410, "gone", "The result is gone"),
     TooManyJobsError: (429, "jobs", "The key has as many jobs as it may"),
     QueueFullError: (429, "queue", "The queue of jobs is full"),
+    SlowError: (503, "busy", "The service is busy"),
     EndedError: (503, "busy", "The service is busy"),
-    FetchingError: (503, "busy", "The service is busy"),
+    LostError: (503, "busy", "The service is busy"),
     BusyError: (503, "busy", "The service is busy"),
     NoRoomError: (507, "storage", "There is no room for the result"),
 }
+METHODS = ("DELETE", "GET", "HEAD", "PATCH", "POST", "PUT")
 RETRY_AFTER = {429: "5", 503: "1"}
 
 
@@ -97,6 +102,7 @@ def install(app: FastAPI) -> None:
 
     They are for errors of the service, invalid requests, HTTP errors, and failures of storage.
     """
+    app.add_exception_handler(FailedError, _failed)
     for error in STATUS:
         app.add_exception_handler(error, _known)
     app.add_exception_handler(RequestValidationError, _invalid)
@@ -119,6 +125,11 @@ def _known(request: Request, error: Exception) -> Response:
     if isinstance(error, NotReadyError):
         retry = {"Retry-After": RETRY_AFTER[503]}
     return problem_document(status, kind, title, str(error), headers=retry)
+
+
+def _failed(request: Request, error: Exception) -> Response:
+    """Return the problem document that a failed job has kept."""
+    return problem_document(**error.args[0])
 
 
 def _storage(request: Request, error: Exception) -> Response:
@@ -144,7 +155,7 @@ def _invalid(request: Request, error: Exception) -> Response:
     # The input is not echoed: it may hold values that JSON has no word for.
     assert isinstance(error, RequestValidationError)
     problems = [
-        Problem(".".join(map(str, item["loc"])), item["msg"], "Fix the value")
+        Problem(".".join(map(str, item["loc"]))[:60] or "body", item["msg"], "Fix the value")
         for item in error.errors()
     ]
     return problem_document(
@@ -169,13 +180,15 @@ def _http(request: Request, error: Exception) -> Response:
 def _methods(request: Request) -> list[str]:
     """Return all methods that the path of a request supports, sorted.
 
-    The router reports only those of one route.
+    The router reports only those of one route, and files of the page none.
     """
-    allowed: set[str] = set()
-    for route in request.app.router.routes:
-        if route.matches(request.scope)[0] is not Match.NONE:
-            allowed.update(getattr(route, "methods", None) or ())
-    return sorted(allowed)
+    routes = [one for one in request.app.router.routes if not isinstance(one, Mount)]
+    scopes = {method: {**request.scope, "method": method} for method in METHODS}
+    return [
+        method
+        for method, scope in scopes.items()
+        if any(route.matches(scope)[0] is Match.FULL for route in routes)
+    ] or ["GET", "HEAD"]
 
 
 def unforeseen(request_id: str) -> Response:

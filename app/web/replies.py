@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
 
 import orjson
+from fastapi import APIRouter
 from fastapi.responses import Response
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict
 
+from vibrafeed.app import logs
 from vibrafeed.core.errors import MAX_PROBLEMS, Problem
 
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 PROBLEM_TYPE = "application/problem+json"
 
 
@@ -33,17 +36,18 @@ class ProblemDocument(BaseModel):
     errors: list[ProblemItem] | None = None
 
 
+class Document(BaseModel):
+    """A JSON object."""
+
+    model_config = ConfigDict(extra="allow")
+
+
 def component(name: str) -> dict[str, Any]:
     """Return a JSON reference to a schema that `vibrafeed.app.web.openapi` adds to the document."""
     return {"$ref": f"#/components/schemas/{name}"}
 
 
-def execution_name(study: type[BaseModel]) -> str:
-    """Return the schema name of an execute request with a kind of study."""
-    return f"{study.__name__}Execution"
-
-
-OBJECT = {"type": "object"}
+OBJECT = component(Document.__name__)
 BINARY = {"type": "string", "format": "binary"}
 ETAG = {"ETag": {"schema": {"type": "string"}}}
 
@@ -101,6 +105,17 @@ def json_reply(content: Any, status: int = 200, headers: dict[str, str] | None =
     )
 
 
+class Router(APIRouter):
+    """A router whose routes of GET answer HEAD, which the OpenAPI document leaves out."""
+
+    def get(self, path: str, **options: Any) -> Callable[[_Function], _Function]:
+        """Return the decorator that adds a route of GET and of HEAD; `options` are FastAPI's."""
+        needs = options.get("dependencies")
+        head = self.head(path, include_in_schema=False, dependencies=needs)
+        get = super().get(path, **options)
+        return lambda function: get(head(function))
+
+
 def without_length(media_type: str, headers: Mapping[str, str] | None = None) -> Response:
     """Return a reply to HEAD for content that is not made yet, so without a length."""
     reply = Response(headers=headers, media_type=media_type)
@@ -136,6 +151,7 @@ def problem_document(
     headers : dict, optional
         Further headers of the reply.
     """
+    logs.bind(problem=kind.rpartition("/")[2])
     problems = tuple(problems)
     if len(problems) > MAX_PROBLEMS:
         more = len(problems) - MAX_PROBLEMS

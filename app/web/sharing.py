@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from fastapi.exceptions import RequestValidationError
-from pydantic import BaseModel, ConfigDict, StrictBool
+from pydantic import BaseModel, ConfigDict, StrictBool, ValidationError
 
 from vibrafeed.app.web.replies import component, problems
-from vibrafeed.core.errors import StudyError
-from vibrafeed.core.intake import read_json
 
 
 class Sharing(BaseModel):
@@ -44,21 +41,6 @@ def read_sharing(body: bytes) -> bool:
     Raises `RequestValidationError` with all problems of the body, which is JSON.
     """
     try:
-        content = read_json(body)
-    except StudyError as error:
-        raise RequestValidationError([_error(p.place, p.message) for p in error.problems]) from None
-    if not isinstance(content, Mapping):
-        raise RequestValidationError([_error("body", 'it is not like {"shared": true}')])
-    problems = [
-        _error(str(name)[:60], "there is no such field") for name in content if name != "shared"
-    ]
-    if not isinstance(content.get("shared"), bool):
-        problems.append(_error("shared", "it is neither true nor false"))
-    if problems:
-        raise RequestValidationError(problems)
-    return bool(content["shared"])
-
-
-def _error(parameter: str, message: str) -> dict[str, Any]:
-    """Return one validation error, in FastAPI's form."""
-    return {"loc": (parameter,), "msg": message}
+        return Sharing.model_validate_json(body).shared
+    except ValidationError as error:
+        raise RequestValidationError(error.errors(include_input=False)) from None

@@ -8,11 +8,9 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from anyio import CapacityLimiter, to_thread
-from fastapi import Request
 from fastapi.responses import Response, StreamingResponse
 
 from vibrafeed.app.settings import Settings
-from vibrafeed.app.web.outgoing import reserve_bytes
 from vibrafeed.core.dataset.formats import FORMATS
 from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.system import installing
@@ -20,14 +18,12 @@ from vibrafeed.core.system import installing
 NOTE: Final = "Vibrafeed-Note"
 TABLES: Final = {suffix[1:]: one.media for suffix, one in FORMATS.items() if one.media}
 PACKAGES: Final = {form: one.package for form in TABLES if (one := FORMATS[f".{form}"]).package}
-PACKED: Final = tuple(media for form, media in TABLES.items() if not FORMATS[f".{form}"].text)
 if TYPE_CHECKING:
     ResultForm: TypeAlias = str
     SliceForm: TypeAlias = str
 else:
     ResultForm = Literal[("netcdf", "json", *TABLES)]
     SliceForm = Literal[("json", "binary", *TABLES)]
-IN_WORK: Final = 16_000_000  # bytes of the pieces that are written while others are sent
 
 
 def tables_there() -> dict[str, str]:
@@ -66,15 +62,11 @@ def most_rows(settings: Settings, form: str, most: int) -> int:
     return min(most, settings.max_sheet_rows) if form == "xlsx" else most
 
 
-async def table_reply(
-    request: Request, frame: Frame, form: str, *, lane: CapacityLimiter | None
-) -> Response:
+def table_reply(frame: Frame, form: str, *, lane: CapacityLimiter | None) -> Response:
     """Return a table as a reply in pieces, each written in a thread.
 
     Parameters
     ----------
-    request : Request
-        The request, which reserves the bytes of its reply.
     frame : Frame
         The table as rows.
     form : str
@@ -82,8 +74,6 @@ async def table_reply(
     lane : CapacityLimiter or None
         Limits the threads that write; None takes those of the event loop.
     """
-    values = [one.values for one in frame.table.variables.values()]
-    reserve_bytes(request, sum(array.nbytes for array in values) + min(IN_WORK, 500 * frame.rows))
     write = FORMATS[f".{form}"].pieces
     assert write is not None
     pieces = write(frame)

@@ -1,7 +1,5 @@
 """Unknown parameters from measured speeds: a posterior on its grid, and the next measurement."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily

@@ -6,8 +6,6 @@ within a box is known from its neighbours, and counts as an error of theirs: a m
 narrower than the first boxes cannot be missed as long as they see the speeds rise and fall.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from itertools import product
 
@@ -44,7 +42,7 @@ class Scatter:
     log_before: Array
 
     @classmethod
-    def of(cls, model: Model, *, wanted: bool) -> Scatter:
+    def of(cls, model: Model, *, wanted: bool) -> "Scatter":
         """Return the sizes that the discrepancy may have, and logs of their prior probabilities.
 
         The discrepancy is the scatter of the measured values beyond errors and unknowns; its sizes
@@ -71,7 +69,7 @@ class Scatter:
         sizes = typical * shares
         return cls(np.concatenate([[0.0], sizes]), np.log(np.concatenate([[NONE_BEFORE], before])))
 
-    def finer(self, likely: Array) -> Scatter:
+    def finer(self, likely: Array) -> "Scatter":
         """Return sizes of the discrepancy that lie closer together where they are likely.
 
         `likely` are the probabilities of the present sizes given the runs, shape (sizes,). Size 0
@@ -240,11 +238,11 @@ class PosteriorBoxes:
         steps: Array = np.square(self.slope).sum(axis=2)
         return steps * (UNIFORM * np.square(self.width))[:, np.newaxis]
 
-    def only(self, where: NDArray[np.bool_] | NDArray[np.int64]) -> PosteriorBoxes:
+    def only(self, where: NDArray[np.bool_] | NDArray[np.int64]) -> "PosteriorBoxes":
         """Return a selection of the boxes, by mask or by index."""
         return PosteriorBoxes(*(getattr(self, field.name)[where] for field in fields(self)))
 
-    def joined(self, other: PosteriorBoxes) -> PosteriorBoxes:
+    def joined(self, other: "PosteriorBoxes") -> "PosteriorBoxes":
         """Return these boxes and further ones together."""
         both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
         return PosteriorBoxes(*(np.concatenate(pair) for pair in both))

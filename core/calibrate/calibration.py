@@ -1,13 +1,10 @@
 """A calibration that can be carried out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from math import prod
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,8 +15,8 @@ from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.price import MARGIN, Price, price
+from vibrafeed.core.plan.labels import ResultVariable
+from vibrafeed.core.plan.prepared import MARGIN, Prepared, Price, price
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.calibrate_study import CalibrateStudy
@@ -150,22 +147,6 @@ POINT_SECONDS = 4e-6  # of a point and a run, beside following the motion
 FEW_SECONDS = 1.5  # for densities, modes and the last digits
 
 
-class CalibrationVariable(NamedTuple):
-    """A variable of the result: its dimensions, unit, long name, and comment if it has one."""
-
-    name: str
-    dims: tuple[str, ...]
-    unit: str
-    label: str
-    comment: str = ""
-
-    @property
-    def attributes(self) -> dict[str, Any]:
-        """The CF attributes of the variable."""
-        more = {"comment": self.comment} if self.comment else {}
-        return {"units": self.unit, "long_name": self.label, **more}
-
-
 @dataclass(frozen=True)
 class Calibration(Prepared):
     """A calibration that can be carried out; `grid` spans all that parameters may be.
@@ -208,7 +189,7 @@ class Calibration(Prepared):
         return AXIS[len(self.model.names)] ** len(self.model.names)
 
     @cached_property
-    def variables(self) -> dict[str, CalibrationVariable]:
+    def variables(self) -> dict[str, ResultVariable]:
         """Every variable of the result by name, in the order in which they are stored."""
         return {one.name: one for one in _variables(self)}
 
@@ -253,11 +234,6 @@ class Calibration(Prepared):
         return sum(8 * prod(sizes[dim] for dim in dims) for dims in self.dims.values())
 
     @property
-    def computed_bytes(self) -> int:
-        """The bytes of the result as computed."""
-        return self.bytes
-
-    @property
     def cut_axes(self) -> tuple[str, ...]:
         """The axes along which a calibration can be cut into pieces: none."""
         return ()
@@ -281,8 +257,8 @@ class Calibration(Prepared):
         return "Calibrate fewer unknowns, or fewer candidates"
 
 
-def _variables(prepared: Calibration) -> Iterator[CalibrationVariable]:
-    made, model, over = CalibrationVariable, prepared.model, (RUN,)
+def _variables(prepared: Calibration) -> Iterator[ResultVariable]:
+    made, model, over = ResultVariable, prepared.model, (RUN,)
     output = QUANTITIES[model.runs.output]
     unit, lowered = output.unit, {u.name: in_sentence(u.label) for u in model.unknowns}
     for unknown in model.unknowns:

@@ -1,7 +1,5 @@
 """Carrying out a calibration: explore, sum up, polish."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import combinations
 from typing import Any, Final
@@ -37,9 +35,8 @@ from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.differences import jacobian
-from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import global_attributes
-from vibrafeed.core.plan.pieces import FOLLOWED, Computed
+from vibrafeed.core.plan.pieces import FOLLOWED, Computed, Kind
 from vibrafeed.core.study.calibrate_study import CalibrateStudy
 from vibrafeed.core.watch import Watch
 

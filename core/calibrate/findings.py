@@ -1,7 +1,5 @@
 """The result of a calibration in sentences."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import combinations

@@ -4,8 +4,6 @@ Points of the unknowns have shape (points, unknowns), in the units of studies. A
 runs at points has shape (points, runs).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,9 +14,8 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.feeding import feed_rate
-from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import parameter_to_si
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.plan import Plan, run_equations
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.scenes.scene import STATIC_ABOVE_KINETIC

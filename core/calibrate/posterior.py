@@ -1,7 +1,5 @@
 """The posterior as points with weights, and what they tell: means, intervals, marginals, modes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations

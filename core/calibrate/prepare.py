@@ -1,7 +1,5 @@
 """From a study of calibration to what can be carried out: plan, unknowns, runs, likelihood."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
@@ -10,7 +8,7 @@ import numpy as np
 from vibrafeed.core.calibrate.boxes import Likelihood, Scatter
 from vibrafeed.core.calibrate.calibration import ENSEMBLE, MAX_CANDIDATES, Calibration
 from vibrafeed.core.calibrate.model import OUTPUTS, Model, Runs, Unknown
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.prepare import choose_system, fix_for_unused_setting
 from vibrafeed.core.motion.systems import CONTACTS
@@ -69,8 +67,7 @@ def prepare(study: CalibrateStudy) -> Calibration:
     broken = broken_constraints(_without_order(scene, spans), method, grid)
     problems += (locate_problem(one, study) for one in broken)
     problems += _too_few(study, unknowns)
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     plan = replace(plan, defaults={**plan.defaults, **study.settings()})
     runs = Runs(
         columns,

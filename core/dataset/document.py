@@ -1,7 +1,5 @@
 """A table as plain values and arrays, for replies in JSON."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

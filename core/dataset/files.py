@@ -1,18 +1,44 @@
-"""Files that appear complete or not at all."""
-
-from __future__ import annotations
+"""Files that appear complete or not at all, and the choices in which they are stored."""
 
 import contextlib
 import os
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Final, Literal, TypeAlias
 
 from vibrafeed.core.system import replace, sync
 
 PART = ".part"  # ends the names of files that are being written
 PARTIAL = ".partial"  # ends the names of folders with which a stopped run can go on
+
+
+CsvStyle: TypeAlias = Literal["plain", "excel"]
+"""The style of CSV files: that for Excel in Europe has semicolons and decimal commas."""
+ZarrVersion: TypeAlias = Literal[2, 3]
+
+
+@dataclass(frozen=True)
+class Storage:
+    """The choices that formats of results leave.
+
+    Attributes
+    ----------
+    compression : bool
+        True to compress NetCDF and MAT files; the other formats always do, or never.
+    csv_style : str
+        The style of CSV files.
+    zarr_version : int
+        The version of Zarr groups; 2 is for programs that do not read 3.
+    """
+
+    compression: bool = True
+    csv_style: CsvStyle = "plain"
+    zarr_version: ZarrVersion = 3
+
+
+USUAL: Final = Storage()
 
 
 @contextmanager
@@ -47,33 +73,6 @@ def settle(temporary: Path, path: Path) -> None:
     sync(temporary)
     replace(temporary, path)
     sync(path.parent)
-
-
-class Behind:
-    """Waits for the disk in a thread, so that the writer need not; for one call at a time."""
-
-    def __init__(self) -> None:
-        """Start a thread for waiting; nothing is under way."""
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="sync")
-        self._last: Future[None] | None = None
-
-    def start(self, wait: Callable[..., None], *arguments: object) -> None:
-        """Start a wait in the background, once the previous one has ended; raise that one's error.
-
-        `wait` is the function to run, with its arguments.
-        """
-        self.end()
-        self._last = self._thread.submit(wait, *arguments)
-
-    def end(self) -> None:
-        """Wait until the background wait has ended."""
-        last, self._last = self._last, None
-        if last is not None:
-            last.result()
-
-    def close(self) -> None:
-        """Wait until the background wait has ended, and accept no more."""
-        self._thread.shutdown()
 
 
 def partial(path: Path) -> Path:

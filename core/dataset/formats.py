@@ -1,38 +1,37 @@
-"""The formats of results, by the suffix of a file: what writes each, and what it can hold.
+"""The formats of results, by the suffix of a file: its writer, and its limits.
 
 NetCDF and Zarr can be read back as well, and written in any other format.
 """
 
-from __future__ import annotations
-
+import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from vibrafeed.core.dataset import matlab, workbook
-from vibrafeed.core.dataset.csv_metadata import csv_metadata, metadata_path
-from vibrafeed.core.dataset.files import whole
-from vibrafeed.core.dataset.frame import Frame, pyarrow
-from vibrafeed.core.dataset.group import read_zarr, write_zarr
+from vibrafeed.core.dataset.files import USUAL, Storage, whole
+from vibrafeed.core.dataset.frame import Frame, csv, parquet
+from vibrafeed.core.dataset.group import write_zarr
+from vibrafeed.core.dataset.limits import Size
 from vibrafeed.core.dataset.netcdf import write_netcdf
-from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf
-from vibrafeed.core.dataset.stores import attributes_at, needed_for
+from vibrafeed.core.dataset.read import attributes_of_file, read_netcdf, read_zarr
+from vibrafeed.core.dataset.stores import attributes_at
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.errors import VibrafeedError
+from vibrafeed.core.errors import MissingPackageError, VibrafeedError
+from vibrafeed.core.system import installing
 
 NETCDF: Final = ".nc"
 ZARR: Final = ".zarr"
 MAKER: Final = "vibrafeed "  # begins the attribute `source` of every result of vibrafeed
 
 
-def _nothing() -> None:
-    """Do nothing: the format needs no package."""
-
-
-def _everything(rows: int, size: int) -> None:
-    """Accept any number of rows and bytes."""
+def _everything(size: Size) -> None:
+    """Accept any size."""
 
 
 @dataclass(frozen=True)
@@ -42,33 +41,31 @@ class Format:
     Attributes
     ----------
     name : str
-        What people call it.
+        The name that people know.
     write : callable
-        Writes a table at a place, all of it or nothing. Takes besides the CF history attribute, and
-        whether to compress, which counts where a format lets one choose.
+        Writes a table at a place, all of it or nothing.
     pieces : callable, optional
         Yields the bytes of the rows of a table, if it is a format of rows.
-    needs : callable
-        Raises `MissingPackageError` if a package is missing.
+    check : callable
+        Raises `LimitError` if the format cannot hold a result of a size.
     media : str, optional
         Media type of a format of rows, which is sent over HTTP under the suffix without its dot.
     package : tuple of str and str or None, optional
-        What has to be installed besides, on whose version the bytes depend, and the extra that it
-        belongs to.
-    text : bool
-        Whether compressing it on its way is worth while.
-    check : callable
-        Takes a number of rows and of bytes; raises `LimitError` if the format cannot hold them.
+        The package that writes it, on whose version the bytes depend, and the extra that it belongs
+        to.
     """
 
     name: str
-    write: Callable[[Table, str, str, bool], None]
+    write: Callable[[Table, str, Storage], None]
     pieces: Callable[[Frame], Iterator[bytes]] | None = None
-    needs: Callable[[], object] = _nothing
-    check: Callable[[int, int], None] = _everything
+    check: Callable[[Size], None] = _everything
     media: str | None = None
     package: tuple[str, str | None] | None = None
-    text: bool = False
+
+    def needs(self) -> None:
+        """Raise `MissingPackageError` if its package is not installed."""
+        if self.package is not None and find_spec(self.package[0]) is None:
+            raise MissingPackageError(self.name, self.package[0], installing(*self.package))
 
 
 def suffix_of(where: str) -> str:
@@ -94,7 +91,7 @@ def known_suffixes() -> str:
     return f"{', '.join(first)} or {last}"
 
 
-def write_result(table: Table, where: str, *, history: str, compression: bool = True) -> None:
+def write_result(table: Table, where: str, *, history: str, storage: Storage = USUAL) -> None:
     """Write a table in the format of the output's suffix; the file appears only when complete.
 
     Parameters
@@ -105,8 +102,8 @@ def write_result(table: Table, where: str, *, history: str, compression: bool = 
         A path with a known suffix, or the URL of a Zarr group.
     history : str
         The CF history attribute: a date and a command.
-    compression : bool
-        True to compress NetCDF and MAT files; the other formats always do, or never.
+    storage : Storage
+        The choices that the format leaves.
 
     Raises
     ------
@@ -117,7 +114,9 @@ def write_result(table: Table, where: str, *, history: str, compression: bool = 
     OSError
         If the file cannot be written.
     """
-    FORMATS[suffix_of(where)].write(table, where, history, compression)
+    form = FORMATS[suffix_of(where)]
+    form.needs()
+    form.write(table.with_history(history), where, storage)
 
 
 def read_result(where: str, *, most_bytes: int | None = None) -> Table:
@@ -149,69 +148,37 @@ def read_result(where: str, *, most_bytes: int | None = None) -> Table:
     return read_netcdf(Path(where), most_bytes=most_bytes)
 
 
-def _with_history(table: Table, history: str) -> Table:
-    """Return the table with a `history` attribute."""
-    return replace(table, attributes={**table.attributes, "history": history})
+def _write_rows(
+    pieces: Callable[[Frame], Iterator[bytes]], table: Table, where: str, _: Storage
+) -> None:
+    with whole(Path(where)) as temporary, temporary.open("wb") as file:
+        file.writelines(pieces(Frame.of(table)))
 
 
-def _write_netcdf(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as NetCDF."""
-    write_netcdf(table, Path(where), history=history, compression=compression)
-
-
-def _write_zarr(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as a Zarr group."""
-    write_zarr(table, where, history=history)
-
-
-def _write_csv(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as CSV, and its metadata as JSON in a file beside it.
-
-    `where` is the path of the CSV file, `history` the CF history attribute (a date and a command).
-    `compression`, which all writers of formats take, is not used.
-    """
-    frame, path = Frame.of(_with_history(table, history)), Path(where)
-    with whole(metadata_path(path)) as beside, whole(path) as temporary:
-        beside.write_bytes(csv_metadata(frame, path.name))
-        with temporary.open("wb") as file:
-            file.writelines(frame.csv())
-
-
-def _write_parquet(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as Parquet."""
-    _write_pieces(Frame.of(_with_history(table, history)).parquet(), Path(where))
-
-
-def _write_xlsx(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as an Excel workbook."""
-    _write_pieces(workbook.xlsx(Frame.of(_with_history(table, history))), Path(where))
-
-
-def _write_pieces(pieces: Iterator[bytes], path: Path) -> None:
-    """Write pieces of bytes to a file that appears when complete."""
-    with whole(path) as temporary, temporary.open("wb") as file:
-        file.writelines(pieces)
-
-
-def _write_mat(table: Table, where: str, history: str, compression: bool) -> None:
-    """Write a table as a MAT file."""
-    matlab.write_mat(_with_history(table, history), Path(where), compression=compression)
+def _write_csv(table: Table, where: str, storage: Storage) -> None:
+    """Write a table as CSV, and what CSV cannot hold as JSON in a file beside it."""
+    path = Path(where)
+    about = table.to_xarray().to_dict(data=False) | {"attrs": Frame.of(table).about}
+    text = json.dumps(about, indent=2, ensure_ascii=False, default=np.ndarray.tolist)
+    with whole(path.with_name(f"{path.name}.json")) as beside:
+        beside.write_text(f"{text}\n", encoding="utf-8")
+        _write_rows(partial(csv, style=storage.csv_style), table, where, storage)
 
 
 FORMATS: Final[Mapping[str, Format]] = {
-    NETCDF: Format("NetCDF", _write_netcdf),
-    ZARR: Format("Zarr", _write_zarr, needs=partial(needed_for, ".zarr")),
-    ".csv": Format("CSV", _write_csv, Frame.csv, media="text/csv", text=True),
+    NETCDF: Format("NetCDF", write_netcdf, package=("netCDF4", None)),
+    ZARR: Format("Zarr", write_zarr, package=("zarr", None)),
+    ".csv": Format("CSV", _write_csv, csv, media="text/csv"),
     ".parquet": Format(
-        "Parquet", _write_parquet, Frame.parquet, pyarrow,
+        "Parquet", partial(_write_rows, parquet), parquet,
         media="application/vnd.apache.parquet", package=("pyarrow", "tables"),
     ),
     ".xlsx": Format(
-        "Excel", _write_xlsx, workbook.xlsx, workbook.openpyxl,
-        lambda rows, size: workbook.check_rows_of_sheet(rows),
+        "Excel", partial(_write_rows, workbook.xlsx), workbook.xlsx,
+        workbook.check,
         media="application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
-        package=("openpyxl", None),
+        package=("xlsxwriter", None),
     ),
-    ".mat": Format("MATLAB", _write_mat, check=lambda rows, size: matlab.check_bytes(size)),
+    ".mat": Format("MATLAB", matlab.write_mat, check=matlab.check),
 }  # fmt: skip
 """Every format, by the suffix of a file."""

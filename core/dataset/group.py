@@ -1,8 +1,5 @@
-"""A whole table as a Zarr group, and a group of ours read back as a table."""
+"""A whole table as a Zarr group."""
 
-from __future__ import annotations
-
-import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -10,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibrafeed.core.dataset.files import partial, settle
-from vibrafeed.core.dataset.read import check_size
+from vibrafeed.core.dataset.files import Storage, partial, settle
 from vibrafeed.core.dataset.stores import (
     document_of,
     keys_in,
@@ -20,7 +16,7 @@ from vibrafeed.core.dataset.stores import (
     put_document,
     remove_all,
 )
-from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.table import Table
 
 if TYPE_CHECKING:
     import zarr
@@ -29,7 +25,7 @@ _LINK = "coordinates"
 """The attribute that links variables to coordinates; it follows from dimensions."""
 
 
-def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
+def write_zarr(table: Table, where: str, storage: Storage) -> None:
     """Write a table as a Zarr group, in a folder or at a URL; it can be opened once complete.
 
     Parameters
@@ -38,8 +34,8 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
         The result to write.
     where : str
         A path, or the URL of an object store.
-    history : str, optional
-        The CF history attribute; with it the cost of the run is written, too.
+    storage : Storage
+        The version of the format counts.
 
     Raises
     ------
@@ -51,17 +47,14 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
     under_way = where if "://" in where else str(partial(Path(where)))
     if keys_in(where):
         raise FileExistsError(f"{where} exists already")
-    cost = {} if history is None else {"history": history, **table.price}
     try:
         with plain_errors():
             remove_all(under_way)
-            group = open_group(under_way, create=True)
-            create_arrays(group, table)
-            for name, one in {**table.coordinates, **table.variables}.items():
-                put(group, name, ..., one.values)
-            group.attrs.update(cost)
-            names = (*table.coordinates, *table.variables)
-            put_document(under_way, document_of(group, names))
+            group = open_group(under_way, create=True, version=storage.zarr_version)
+            if storage.zarr_version == 2:
+                _write_version_2(table, group)
+            else:
+                _write_version_3(table, group, under_way)
         if "://" not in where:
             settle(Path(under_way), Path(where))
     except BaseException:
@@ -69,8 +62,27 @@ def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
         raise
 
 
+def _write_version_2(table: Table, group: "zarr.Group") -> None:
+    unmasked: dict[str, Any] = {
+        name: {"_FillValue": None}
+        for name, one in table.variables.items()
+        if one.values.dtype.kind != "O"
+    }
+    table.to_xarray().to_zarr(
+        group.store, mode="a", zarr_format=2, consolidated=True, encoding=unmasked
+    )
+
+
+def _write_version_3(table: Table, group: "zarr.Group", where: str) -> None:
+    create_arrays(group, table)
+    everything = {**table.coordinates, **table.variables}
+    for name, one in everything.items():
+        put(group, name, ..., one.values)
+    put_document(where, document_of(group, everything))
+
+
 def create_arrays(
-    group: zarr.Group,
+    group: "zarr.Group",
     table: Table,
     *,
     sizes: Mapping[str, int] = MappingProxyType({}),
@@ -123,7 +135,7 @@ def create_arrays(
 
 
 def put(
-    group: zarr.Group | Mapping[str, Any], name: str, region: Any, values: np.ndarray[Any, Any]
+    group: "zarr.Group | Mapping[str, Any]", name: str, region: Any, values: np.ndarray[Any, Any]
 ) -> None:
     """Write values into an array of a group; also chunks of nothing but the fill value are kept."""
     array: Any = group[name]
@@ -140,66 +152,3 @@ def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
         else str(value)
         for name, value in attributes.items()
     }
-
-
-def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
-    """Return the table in a Zarr group that vibrafeed has written.
-
-    Parameters
-    ----------
-    where : str
-        A folder, or the URL of an object store.
-    most_bytes : int, optional
-        Largest size of all arrays; of a larger result none is read.
-
-    Raises
-    ------
-    LimitError
-        If the arrays are larger.
-    OSError
-        If the group cannot be read.
-    """
-    with plain_errors():
-        group = open_group(where, read_only=True)
-        arrays = dict(group.arrays())
-        check_size(sum(array.nbytes for array in arrays.values()), most_bytes)
-        # In the order of the group's document, which is that of the table.
-        known = group.metadata.consolidated_metadata
-        listed = list(arrays if known is None else known.metadata)
-        dims = {name: _dims(array) for name, array in arrays.items()}
-        named = {
-            name
-            for array in arrays.values()
-            for name in str(array.attrs.get("coordinates", "")).split()
-        } | {dim for own in dims.values() for dim in own}
-        coordinates: dict[str, TableVariable] = {}
-        variables: dict[str, TableVariable] = {}
-        for name in listed:
-            one = TableVariable(dims[name], _values(arrays[name]), _attributes(arrays[name].attrs))
-            (coordinates if name in named else variables)[name] = one
-        return Table(coordinates, variables, dict(group.attrs))
-
-
-def _dims(array: zarr.Array[Any]) -> tuple[str, ...]:
-    """Return the names of an array's dimensions."""
-    names = getattr(array.metadata, "dimension_names", None) or ()
-    return tuple(str(name) for name in names)
-
-
-def _values(array: zarr.Array[Any]) -> np.ndarray[Any, Any]:
-    """Return the values of a Zarr array in the machine's byte order; texts as Python objects."""
-    values = np.asarray(array[...])
-    if values.dtype.kind in "UT":
-        return values.astype(object)
-    return values.astype(values.dtype.newbyteorder("="))  # netCDF4 minds a stated order of bytes
-
-
-def _attributes(raw: Any) -> dict[str, Any]:
-    """Return the attributes of a Zarr array without those that link it to coordinates.
-
-    `raw` are those read from the group. `flag_values` becomes an array of int8, as in a table.
-    """
-    attributes = {name: value for name, value in dict(raw).items() if name != _LINK}
-    with contextlib.suppress(KeyError):
-        attributes["flag_values"] = np.array(attributes["flag_values"], dtype=np.int8)
-    return attributes

@@ -3,42 +3,40 @@
 The file holds one structure, `result`, whose fields are structures with a field for each variable.
 """
 
-from __future__ import annotations
-
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.dataset.files import whole
-from vibrafeed.core.dataset.table import Table, TableVariable
-from vibrafeed.core.errors import LimitError
+from vibrafeed.core.dataset.files import Storage, whole
+from vibrafeed.core.dataset.limits import Size, check_limit
+from vibrafeed.core.dataset.table import Table, TableVariable, flags_of
 
 MAX_BYTES: Final = 2**31 - 2**20  # bytes that a variable of a MAT file of version 5 may have
 LONGEST: Final = 63  # characters of a name in MATLAB
+FIELDS: Final = {"units": "units", "labels": "long_name", "descriptions": "comment"}
 
 
-def check_bytes(size: int) -> None:
-    """Raise `LimitError` if a MAT file cannot hold this many bytes."""
-    if size > MAX_BYTES:
-        raise LimitError("bytes in a MAT file", size, MAX_BYTES, "Write NetCDF: MATLAB reads it")
+def check(size: Size) -> None:
+    """Raise `LimitError` if a MAT file cannot hold a result of a size."""
+    check_limit("bytes in a MAT file", size.doubles, MAX_BYTES, "Write NetCDF: MATLAB reads it")
 
 
-def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
+def write_mat(table: Table, where: str, storage: Storage) -> None:
     """Write a table as a MAT file, which appears only when complete.
 
     Parameters
     ----------
     table : Table
         The result to write.
-    path : Path
+    where : str
         The file; an existing one is replaced.
-    compression : bool
-        True to compress the arrays (deflate).
+    storage : Storage
+        With compression: deflate.
 
     Raises
     ------
@@ -50,26 +48,32 @@ def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
     from scipy.io import savemat
 
     variables = {**table.coordinates, **table.variables}
-    check_bytes(sum(one.values.nbytes for one in variables.values()))
     named = names_in_matlab(variables)
+    data = {named[n]: _array(v) for n, v in variables.items()}
+    check(Size(doubles=sum(one.nbytes for one in data.values())))
     result = {
-        "data": {named[n]: _array(v) for n, v in variables.items()},
-        "dimensions": {named[n]: _list(map(named.__getitem__, v.dims)) for n, v in
-                       variables.items()},
-        "units": _text_attributes(variables, named, "units"),
-        "labels": _text_attributes(variables, named, "long_name"),
-        "descriptions": _text_attributes(variables, named, "comment"),
-        "flags": {named[n]: _flags(v) for n, v in variables.items()
-                  if "flag_values" in v.attributes},
+        "data": data,
+        "dimensions": {named[n]: _list(named[dim] for dim in v.dims) for n, v in variables.items()},
+        **{
+            field: {
+                named[n]: _text(str(v.attributes[attribute]))
+                for n, v in variables.items()
+                if attribute in v.attributes
+            }
+            for field, attribute in FIELDS.items()
+        },
+        "flags": {
+            named[n]: _flags(v) for n, v in variables.items() if "flag_values" in v.attributes
+        },
         "study": _ascii_json(str(table.attributes.get("study", ""))),
         "about": _about(table),
-    }  # fmt: skip
-    with whole(path) as temporary, temporary.open("wb") as file:
+    }
+    with whole(Path(where)) as temporary, temporary.open("wb") as file:
         savemat(
             file,
             {"result": {name: value for name, value in result.items() if value != {}}},
             long_field_names=True,
-            do_compression=compression,
+            do_compression=storage.compression,
             oned_as="column",
         )
 
@@ -115,42 +119,15 @@ def _text(text: str) -> str:
 
 
 def _list(texts: Iterable[str]) -> NDArray[Any]:
-    """Return n texts as an object array of shape (1, n), which becomes a MATLAB cell array."""
-    known = list(texts)
-    cells = np.empty((1, len(known)), dtype=object)
-    cells[0, :] = known
-    return cells
-
-
-def _text_attributes(
-    variables: Mapping[str, TableVariable], named: Mapping[str, str], attribute: str
-) -> dict[str, str]:
-    """Return one attribute of the variables of a table as texts, by MATLAB name of the variable.
-
-    Variables without the attribute are left out.
-
-    Parameters
-    ----------
-    variables : mapping of str to TableVariable
-        The variables by name.
-    named : mapping of str to str
-        The MATLAB name of each variable, as MATLAB allows only short names.
-    attribute : str
-        Name of the attribute, such as `units`.
-    """
-    return {
-        named[name]: _text(str(one.attributes[attribute]))
-        for name, one in variables.items()
-        if attribute in one.attributes
-    }
+    """Return texts as a row of objects, which becomes a cell array of MATLAB."""
+    return np.array([list(texts)], dtype=object)
 
 
 def _flags(variable: TableVariable) -> dict[str, float]:
     """Return the number of each word of a flag variable (`regime`), by MATLAB name."""
-    words = str(variable.attributes.get("flag_meanings", "")).split()
-    named = names_in_matlab(words)
-    values = np.asarray(variable.attributes["flag_values"]).tolist()
-    return {named[word]: float(value) for word, value in zip(words, values, strict=True)}
+    flags = flags_of(variable.attributes)
+    named = names_in_matlab(flags.values())
+    return {named[word]: float(value) for value, word in flags.items()}
 
 
 def _about(table: Table) -> dict[str, Any]:

@@ -1,25 +1,19 @@
-"""Reading a NetCDF file of ours back as a table."""
-
-from __future__ import annotations
+"""Reading a NetCDF file or Zarr group of ours back as a table."""
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.frame import check_rows
+from vibrafeed.core.dataset.limits import check_limit
+from vibrafeed.core.dataset.stores import open_group, plain_errors
 from vibrafeed.core.dataset.table import Table, TableVariable
-from vibrafeed.core.errors import LimitError
-
-if TYPE_CHECKING:
-    import h5py
-
-# What the formats keep for themselves, and what follows from the names of dimensions.
-_OWN = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "coordinates"}
 
 
-def attributes_of_file(path: Path) -> dict[str, object]:
+def attributes_of_file(path: Path) -> dict[str, Any]:
     """Return the global attributes of a NetCDF file; none for any other file.
 
     Raises
@@ -27,12 +21,12 @@ def attributes_of_file(path: Path) -> dict[str, object]:
     OSError
         If there is no such file, or it cannot be read.
     """
-    import h5py
+    import h5netcdf
 
     with path.open("rb"):  # the system says why it cannot be read; the library only that
         pass
     try:
-        with h5py.File(path) as file:
+        with h5netcdf.File(path) as file:
             return _attributes(file.attrs)
     except OSError:
         return {}
@@ -43,7 +37,7 @@ def read_netcdf(
 ) -> Table:
     """Return the table in a NetCDF file that `write_netcdf` wrote.
 
-    It is read by h5py, which, unlike the NetCDF library, any thread may use.
+    It is read by h5netcdf, which, unlike the NetCDF library, any thread may use.
 
     Parameters
     ----------
@@ -61,64 +55,65 @@ def read_netcdf(
     OSError
         If the file cannot be read.
     """
-    import h5py  # a process that reads nothing does not load it
-
-    with h5py.File(path) as file:
-        sizes = {
-            name: dataset.size
-            for name, dataset in file.items()
-            if dataset.is_scale and dataset.ndim
-        }
-        check_rows(sizes, most_rows)
-        check_size(sum(dataset.nbytes for dataset in file.values()), most_bytes)
-        named = " ".join(_plain(dataset.attrs.get("coordinates", "")) for dataset in file.values())
-        coordinates: dict[str, TableVariable] = {}
-        variables: dict[str, TableVariable] = {}
-        for name, dataset in file.items():
-            is_coordinate = dataset.is_scale or name in named.split()
-            (coordinates if is_coordinate else variables)[name] = _variable(file, name, dataset)
-        return Table(coordinates, variables, _attributes(file.attrs))
+    return _table(path, "h5netcdf", most_rows, most_bytes)
 
 
-def check_size(size: int, most: int | None) -> None:
-    """Raise `LimitError` if arrays have more bytes than `most`; None allows any size."""
-    if most is not None and size > most:
+def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
+    """Return the table in a Zarr group that vibrafeed has written.
+
+    Parameters
+    ----------
+    where : str
+        A folder, or the URL of an object store.
+    most_bytes : int, optional
+        Largest size of all arrays; of a larger result none is read.
+
+    Raises
+    ------
+    LimitError
+        If the arrays are larger.
+    OSError
+        If the group cannot be read.
+    """
+    with plain_errors():
+        return _table(open_group(where, read_only=True).store, "zarr", None, most_bytes)
+
+
+def _table(source: Any, engine: str, most_rows: int | None, most_bytes: int | None) -> Table:
+    import xarray  # heavy, and a process that reads nothing does without it
+
+    with xarray.open_dataset(
+        source, engine=engine, mask_and_scale=False, decode_times=False
+    ) as dataset:
+        check_rows({str(dim): size for dim, size in dataset.sizes.items()}, most_rows)
         fix = "Read slices of it with xarray, in Python"
-        raise LimitError("bytes of memory", size, most, fix)
+        check_limit("bytes of memory", dataset.nbytes, most_bytes, fix)
+        table = Table.of_xarray(dataset.load())
+    return Table(_plain(table.coordinates), _plain(table.variables), _attributes(table.attributes))
 
 
-def _variable(file: h5py.File, name: str, dataset: h5py.Dataset) -> TableVariable:
-    """Return a variable of a NetCDF file with its dimensions and attributes, all values loaded.
-
-    `file` is the file as h5py reads it, `name` and `dataset` are the variable's name and HDF5
-    dataset.
-    """
-    dims = tuple(file[ref[0]].name[1:] for ref in dataset.attrs.get("DIMENSION_LIST", ()))
-    if dataset.is_scale:
-        dims = (name,)
-    values = dataset.asstr()[()] if dataset.dtype == object else dataset[()]
-    return TableVariable(dims, np.asarray(values), _attributes(dataset.attrs))
-
-
-def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the attributes that vibrafeed wrote, without those that HDF5 and NetCDF add.
-
-    `raw` are the attributes of a file or variable as h5py reads them.
-    """
+def _plain(variables: Mapping[str, TableVariable]) -> dict[str, TableVariable]:
     return {
-        name: _plain(value)
-        for name, value in raw.items()
-        if name not in _OWN and not name.startswith("_")
+        name: TableVariable(one.dims, _native(one.values), _attributes(one.attributes))
+        for name, one in variables.items()
     }
 
 
-def _plain(value: Any) -> Any:
-    """Return an attribute read by h5py as a text, a number or an array, as tables have it.
+def _native(values: NDArray[Any]) -> NDArray[Any]:
+    """Return numbers without a stated order of bytes, which netCDF4 minds, and texts as objects."""
+    if values.dtype.kind in "UT":
+        return values.astype(object)
+    native = values.dtype.newbyteorder("=")
+    return values.view(native) if values.dtype.isnative else values.astype(native)
 
-    Bytes become a text, and arrays of one value a number; flag values (int8) stay an array.
-    """
-    if isinstance(value, bytes):
-        return value.decode()
-    if isinstance(value, np.ndarray) and value.size == 1 and value.dtype != np.int8:
-        return value.item()
-    return value
+
+def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as tables have them: numbers of Python, and an array of flags."""
+    attributes = {
+        name: value.item() if isinstance(value, np.generic) else value
+        for name, value in raw.items()
+        if not name.startswith("_")
+    }
+    if "flag_values" in attributes:
+        attributes["flag_values"] = np.atleast_1d(attributes["flag_values"]).astype(np.int8)
+    return attributes

@@ -1,7 +1,5 @@
 """A dataset in the units in which a person reads it."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +10,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-def in_shown_units(dataset: xarray.Dataset, units: ShownUnits) -> xarray.Dataset:
+def in_shown_units(dataset: "xarray.Dataset", units: ShownUnits) -> "xarray.Dataset":
     """Return a copy of a dataset in units for reading, such as mm/s; flags are unchanged.
 
     `units` chooses the unit of each variable by its unit in the dataset and its largest value.
@@ -25,6 +23,4 @@ def in_shown_units(dataset: xarray.Dataset, units: ShownUnits) -> xarray.Dataset
         shown = units.of(str(array.attrs["units"]), float(sizes[np.isfinite(sizes)].max(initial=0)))
         values = array.values if shown.factor == 1 else array.values * shown.factor
         changed[name] = (array.dims, values, {**array.attrs, "units": shown.unit})
-    coordinates = {name: value for name, value in changed.items() if name in dataset.coords}
-    others = {name: value for name, value in changed.items() if name not in dataset.coords}
-    return dataset.assign_coords(coordinates).assign(others)
+    return dataset.assign(changed)

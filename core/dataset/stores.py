@@ -1,7 +1,5 @@
 """Zarr groups in folders and on object stores, as zarr-python opens them."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import shutil
@@ -10,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from vibrafeed.core.dataset.files import whole
+from vibrafeed.core.dataset.files import ZarrVersion, whole
 from vibrafeed.core.errors import MissingPackageError
 from vibrafeed.core.system import installing
 
@@ -24,36 +22,31 @@ UNFINISHED: Final = "unfinished"
 """The attribute of a group that says whose it is while blocks are missing."""
 
 
-def needed_for(where: str) -> None:
-    """Raise `MissingPackageError` if a package is not installed that a path or URL needs."""
-    if find_spec("zarr") is None:
-        raise MissingPackageError("Zarr", "zarr", installing("zarr"))
-    if "://" in where and find_spec("obstore") is None:
-        raise MissingPackageError("Zarr", "obstore", installing("obstore", "cluster"))
-
-
-def open_group(where: str, *, create: bool = False, read_only: bool = False) -> zarr.Group:
+def open_group(
+    where: str, *, create: bool = False, read_only: bool = False, version: ZarrVersion = 3
+) -> "zarr.Group":
     """Return the Zarr group in a folder, or at the URL of an object store.
+
+    `version` is that of the format of a group that is created.
 
     Raises
     ------
     MissingPackageError
-        If zarr, or obstore for a URL, is not installed.
+        If obstore is not installed, for a URL.
     OSError
         If it cannot be read, or the URL is wrong.
     """
-    needed_for(where)
-    import zarr
+    import zarr  # heavy, and few results are groups
 
     store: Any = where
     if "://" in where:
         store = zarr.storage.ObjectStore(open_store(where), read_only=read_only)
     if create:
-        return zarr.open_group(store, mode="a", zarr_format=3)
+        return zarr.open_group(store, mode="a", zarr_format=version)
     return zarr.open_group(store, mode="r" if read_only else "r+")
 
 
-def document_of(group: zarr.Group, names: Iterable[str]) -> bytes:
+def document_of(group: "zarr.Group", names: Iterable[str]) -> bytes:
     """Return the document of a group with those of its arrays, so that one request opens it.
 
     `names` are its arrays in the order in which readers are to have them; zarr-python's own has an
@@ -85,7 +78,7 @@ def put_document(where: str, document: bytes) -> None:
         temporary.write_bytes(document)
 
 
-def open_store(where: str) -> ObjectStore:
+def open_store(where: str) -> "ObjectStore":
     """Return the object store at a URL.
 
     Raises
@@ -95,7 +88,8 @@ def open_store(where: str) -> ObjectStore:
     OSError
         If the URL is wrong.
     """
-    needed_for(where)
+    if find_spec("obstore") is None:
+        raise MissingPackageError("Zarr", "obstore", installing("obstore", "cluster"))
     from obstore.store import from_url
 
     with plain_errors():
@@ -110,14 +104,11 @@ def attributes_at(where: str) -> dict[str, Any]:
     OSError
         If it cannot be read.
     """
-    if "://" not in where:
-        path = Path(where) / GROUP
-        document = json.loads(path.read_bytes()) if path.exists() else {}
-    else:
-        document = {}
-        with contextlib.suppress(FileNotFoundError), plain_errors():
-            document = json.loads(bytes(open_store(where).get(GROUP).bytes()))
-    attributes = dict(document.get("attributes", {}))
+    try:
+        with plain_errors():
+            attributes = dict(open_group(where, read_only=True).attrs)
+    except (FileNotFoundError, NotADirectoryError):
+        return {}
     return {} if UNFINISHED in attributes else attributes
 
 

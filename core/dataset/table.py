@@ -3,8 +3,6 @@
 One place gives every variable its CF attributes; the views below only carry them over.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -63,9 +61,15 @@ class Table:
     attributes: Attributes
     price: Attributes = field(default_factory=dict)
 
-    def with_price(self, price: Attributes) -> Table:
+    def with_price(self, price: Attributes) -> "Table":
         """Return the table with other attributes for the cost of computing it, such as seconds."""
         return replace(self, price=price)
+
+    def with_history(self, history: str) -> "Table":
+        """Return the table with the CF attribute `history`, and the cost, among its attributes."""
+        return replace(
+            self, attributes={**self.attributes, "history": history, **self.price}, price={}
+        )
 
     def valid(self, name: str) -> NDArray[np.bool_] | None:
         """Return a mask of the cells in which an output is valid; None if no regime judges it.
@@ -85,13 +89,13 @@ class Table:
         return np.broadcast_to(mask.reshape(shape), output.values.shape)
 
     @classmethod
-    def of_xarray(cls, dataset: xarray.Dataset) -> Table:
+    def of_xarray(cls, dataset: "xarray.Dataset") -> "Table":
         """Return a table with the coordinates, variables and attributes of an xarray dataset.
 
         Arrays are not copied, so that changes of values are seen in both.
         """
 
-        def plain(arrays: Mapping[Any, xarray.DataArray]) -> dict[str, TableVariable]:
+        def plain(arrays: "Mapping[Any, xarray.DataArray]") -> dict[str, TableVariable]:
             """Return variables of plain arrays."""
             return {
                 str(name): TableVariable(tuple(map(str, a.dims)), a.values, dict(a.attrs))
@@ -100,7 +104,7 @@ class Table:
 
         return cls(plain(dataset.coords), plain(dataset.data_vars), dict(dataset.attrs))
 
-    def to_xarray(self) -> xarray.Dataset:
+    def to_xarray(self) -> "xarray.Dataset":
         """Return the table as an xarray dataset, with its price among the attributes.
 
         Arrays are not copied, so that changes of values are seen in both.
@@ -208,7 +212,7 @@ def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
     regimes : ndarray of int
         Values of a variable `regime`, any shape.
     """
-    return shares_of(regime_counts(regimes))
+    return {name: count / regimes.size for name, count in regime_counts(regimes).items()}
 
 
 def regime_counts(regimes: NDArray[np.integer]) -> dict[str, int]:
@@ -216,12 +220,6 @@ def regime_counts(regimes: NDArray[np.integer]) -> dict[str, int]:
     numbers, counts = np.unique(regimes, return_counts=True)
     names = {flag.value: name for name, flag in REGIMES.items()}
     return {names[n]: c for n, c in zip(numbers.tolist(), counts.tolist(), strict=True)}
-
-
-def shares_of(counts: Mapping[str, int]) -> dict[str, float]:
-    """Return the share of cells in each regime that occurs, by name, from their numbers."""
-    whole = sum(counts.values())
-    return {name: count / whole for name, count in counts.items() if count}
 
 
 def flags_of(attributes: Mapping[Any, Any]) -> dict[int, str]:

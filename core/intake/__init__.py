@@ -1,7 +1,5 @@
 """The one way in: from a file, a request or keywords to a study that can be carried out."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily

@@ -4,8 +4,6 @@ A request and a call in Python are written alone. Each writer takes the content 
 it was typed, so that units and ranges stay as they are.
 """
 
-from __future__ import annotations
-
 import codecs
 import json
 import os
@@ -19,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, refused
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, read_rows, with_posteriors
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.measured.csv_table import decoded
@@ -124,7 +122,7 @@ def read_json(text: str | bytes) -> object:
     """
     try:
         # By itself json would let halves of characters through, and take other encodings.
-        text = text if isinstance(text, str) else text.decode("utf-8")
+        text = text if isinstance(text, str) else text.decode("utf-8-sig")
         if text.count("[") + text.count("{") > MAX_BRACKETS:
             _fail("body", f"it holds more than {MAX_BRACKETS:,} objects and lists", EXPECTED)
         content: object = json.loads(
@@ -217,7 +215,7 @@ def _shown(text: str) -> str:
 
 
 def _fail(path: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:
-    raise StudyError([Problem(path, message, fix)]) from cause
+    raise refused(path, message, fix) from cause
 
 
 SERVICE: Final = "http://127.0.0.1:8000"
@@ -267,15 +265,11 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
     """
     body, address = _request(content, service)
     if len(body) > LONGEST_ARGUMENT:
-        raise StudyError(
-            [
-                Problem(
-                    "study",
-                    f"it has {len(body):,} bytes, more than a command line holds",
-                    "Write it to a file with `vibrafeed convert STUDY --to json`, and send that: "
-                    f"curl --data-binary @FILE {address}",
-                )
-            ]
+        raise refused(
+            "study",
+            f"it has {len(body):,} bytes, more than a command line holds",
+            "Write it to a file with `vibrafeed convert STUDY --to json`, and send that: "
+            f"curl --data-binary @FILE {address}",
         )
     return (
         "curl "
@@ -359,9 +353,7 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
         try:
             data = decoded(file.read_bytes())
         except (OSError, ValueError) as error:
-            raise StudyError(
-                [Problem("drive.file", f"{file} cannot be read: {error}", "Name a CSV")]
-            ) from None
+            raise refused("drive.file", f"{file} cannot be read: {error}", "Name a CSV") from None
         rest = {name: value for name, value in drive.items() if name != "file"}
         return {**content, "drive": {**rest, "data": data}}
     return {**content, "drive": {**drive, "file": _path_from(file, form, folder)}}

@@ -1,7 +1,5 @@
 """Studies as programs write them: a study, the path of a file, a mapping, or keywords."""
 
-from __future__ import annotations
-
 import difflib
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -9,7 +7,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, raise_any, refused
 from vibrafeed.core.intake.forms import LARGEST, TOO_LARGE, keys_of_studies, read_content
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.measured.csv_table import name_and_unit
@@ -87,16 +85,15 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
         content["outputs"] = [content["outputs"]]
     inner = content.get("parameters", {})
     if loose and isinstance(inner, Mapping):
-        twice = [name for name in loose if name in inner]
-        if twice:
-            raise StudyError(
-                Problem(
-                    f"parameters.{n}",
-                    "it is given twice",
-                    "Give it once: by itself, or among the parameters",
-                )
-                for n in twice
+        raise_any(
+            Problem(
+                f"parameters.{name}",
+                "it is given twice",
+                "Give it once: by itself, or among the parameters",
             )
+            for name in loose
+            if name in inner
+        )
         content["parameters"] = {**inner, **loose}
     return content
 
@@ -132,8 +129,7 @@ def check_not_paired(written: Mapping[str, Any]) -> None:
             if dim != name and dim in PARAMETERS
         ),
     ]
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
 
 
 def plain(value: object, path: str) -> Any:
@@ -151,7 +147,7 @@ def plain(value: object, path: str) -> Any:
         return value
     if type(value) is int:
         if not -LARGEST <= value <= LARGEST:
-            raise StudyError([Problem(path, *TOO_LARGE)])
+            raise refused(path, *TOO_LARGE)
         return value
     if isinstance(value, Mapping) or (hasattr(value, "columns") and hasattr(value, "to_numpy")):
         return {name: plain(item, f"{path}.{name}") for name, item in _columns(value)}
@@ -159,14 +155,10 @@ def plain(value: object, path: str) -> Any:
         return [plain(item, path) for item in value]
     if isinstance(value, range):
         if value[MAX_POINTS:]:
-            raise StudyError(
-                [
-                    Problem(
-                        path,
-                        f"{value} is too long",
-                        f"One axis holds {MAX_POINTS:,} values at most; take a larger step",
-                    )
-                ]
+            raise refused(
+                path,
+                f"{value} is too long",
+                f"One axis holds {MAX_POINTS:,} values at most; take a larger step",
             )
         return list(value)
     return _numbers(value, path)
@@ -175,27 +167,19 @@ def plain(value: object, path: str) -> Any:
 def _numbers(value: Any, path: str) -> Any:
     attributes = getattr(value, "attrs", None)
     if isinstance(attributes, dict) and attributes.keys() & {"scale_factor", "add_offset"}:
-        raise StudyError(
-            [
-                Problem(
-                    path,
-                    "the numbers of the array are not decoded",
-                    "Open the file with mask_and_scale=True, the default of xarray",
-                )
-            ]
+        raise refused(
+            path,
+            "the numbers of the array are not decoded",
+            "Open the file with mask_and_scale=True, the default of xarray",
         )
     numbers, unit = apart(value)
     if getattr(numbers, "ndim", 0) == 2 and path == "drive.mounting":  # a rotation matrix
         return numbers.tolist()
     if getattr(numbers, "ndim", 0) > 1:
-        raise StudyError(
-            [
-                Problem(
-                    path,
-                    f"the value is an array of {numbers.ndim} dimensions",
-                    "Give an array of one dimension, or one number",
-                )
-            ]
+        raise refused(
+            path,
+            f"the value is an array of {numbers.ndim} dimensions",
+            "Give an array of one dimension, or one number",
         )
     quantity = QUANTITIES.get(letter_of(path.rpartition(".")[2]))
     own = "1" if path in keys_of_studies() else "" if quantity is None else quantity.unit
@@ -232,14 +216,10 @@ def _content_of(study: object) -> dict[str, Any]:
         study = read_content(Path(study))
         if isinstance(study, dict):
             return study
-    raise StudyError(
-        [
-            Problem(
-                "study",
-                f"'{type(study).__name__}' is neither a study, a path nor a mapping",
-                "Give a study, a path or a mapping, or the keys as keyword arguments",
-            )
-        ]
+    raise refused(
+        "study",
+        f"'{type(study).__name__}' is neither a study, a path nor a mapping",
+        "Give a study, a path or a mapping, or the keys as keyword arguments",
     )
 
 
@@ -259,12 +239,8 @@ def _is_key(name: str) -> bool:
 
 def _check_kind(actual: object, kind: str | None) -> None:
     if kind is not None and actual != kind and isinstance(actual, str) and actual in KINDS:
-        raise StudyError(
-            [
-                Problem(
-                    "kind",
-                    f"this is a study of kind '{actual}', not '{kind}'",
-                    f"Carry it out with {actual}(), or give a study of kind '{kind}'",
-                )
-            ]
+        raise refused(
+            "kind",
+            f"this is a study of kind '{actual}', not '{kind}'",
+            f"Carry it out with {actual}(), or give a study of kind '{kind}'",
         )

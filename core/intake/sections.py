@@ -1,7 +1,5 @@
 """The sections that studies have; a kind has those that are keys of its model."""
 
-from __future__ import annotations
-
 import csv
 import io
 import itertools
@@ -13,9 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.intake.recorded import DRIVE
+from vibrafeed.core.errors import Problem, StudyError, refused
 from vibrafeed.core.intake.section import (
+    DRIVE,
     Content,
     Resolved,
     Section,
@@ -31,7 +29,6 @@ from vibrafeed.core.measured.csv_table import (
     contradictions,
     decoded,
     name_and_unit,
-    refused,
 )
 from vibrafeed.core.quantities import QUANTITIES, WORDS, by_letters, letter_of
 from vibrafeed.core.study.distributions import CALIBRATION

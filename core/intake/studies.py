@@ -1,7 +1,5 @@
 """A study on its way in: read, files resolved, sections checked, planned."""
 
-from __future__ import annotations
-
 import os
 import re
 import warnings
@@ -14,11 +12,10 @@ from pydantic import ValidationError
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake.forms import read_content, read_json, read_toml
-from vibrafeed.core.intake.recorded import channel_questions, tilt_questions
-from vibrafeed.core.intake.section import Stranger, problems_of
+from vibrafeed.core.intake.section import Stranger, channel_questions, problems_of, tilt_questions
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, words_in
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.plan.kind import Sketch
+from vibrafeed.core.plan.pieces import Sketch
 from vibrafeed.core.plan.plan import plan_scene, scene_parameters
 from vibrafeed.core.plan.prepared import Prepared, names_intended
 from vibrafeed.core.quantities import WORD_OF
@@ -28,7 +25,7 @@ from vibrafeed.core.suggestions import nearest
 
 if TYPE_CHECKING:
     from vibrafeed.core.measured.fit import Fit
-    from vibrafeed.core.plan.kind import Kind
+    from vibrafeed.core.plan.pieces import Kind
     from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 
 
@@ -58,7 +55,7 @@ class Draft:
     content: Any
     problems: list[Problem] = field(init=False)
     unread: set[str] = field(default_factory=set)
-    fit: Fit | None = None
+    fit: "Fit | None" = None
     words: dict[str, str] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -67,7 +64,7 @@ class Draft:
         self.content, self.problems = in_letters(self.content)
 
     @property
-    def kind(self) -> Kind | None:
+    def kind(self) -> "Kind | None":
         """The kind of the study; None if the content names no known kind."""
         name = self.content.get("kind") if isinstance(self.content, Mapping) else None
         return KINDS[name] if isinstance(name, str) and name in KINDS else None
@@ -86,7 +83,7 @@ class Draft:
             )
         )
 
-    def resolve(self, *, files: bool) -> Draft:
+    def resolve(self, *, files: bool) -> "Draft":
         """Put the numbers in files for their names, if they may be read; return this draft."""
         keys = _keys_of(self.kind) if self.kind else SECTIONS
         for key, section in SECTIONS.items():
@@ -156,7 +153,7 @@ class Draft:
         return _LETTER.sub(lambda found: self.words.get(found[0], found[0]), text)
 
     def _validated(
-        self, kind: Kind, content: Mapping[str, Any]
+        self, kind: "Kind", content: Mapping[str, Any]
     ) -> tuple[Study | None, list[Problem]]:
         keys = _keys_of(kind)
 
@@ -228,7 +225,7 @@ class Draft:
         places += map("parameters.{}".format, {*names(())} - {*written(())})
         return [problem for problem in problems if problem.place not in places]
 
-    def _outputs(self, kind: Kind) -> Iterable[Any]:
+    def _outputs(self, kind: "Kind") -> Iterable[Any]:
         keys = _keys_of(kind)
         if "outputs" in keys and "outputs" not in self.content:
             default = kind.model.model_fields["outputs"].get_default()
@@ -238,11 +235,11 @@ class Draft:
                 yield from section.outputs(self.content.get(key))
 
 
-def _keys_of(kind: Kind) -> Collection[str]:
+def _keys_of(kind: "Kind") -> Collection[str]:
     return tuple(kind.model.model_fields)
 
 
-def _no_kind(content: Mapping[str, Any]) -> tuple[Problem, Kind]:
+def _no_kind(content: Mapping[str, Any]) -> "tuple[Problem, Kind]":
     kind = content.get("kind")
     missing = kind is None
     said = None if missing else nearest(str(kind), KINDS)
@@ -315,7 +312,7 @@ def parse_json(text: str | bytes) -> Study:
     return parse_study(read_json(text))
 
 
-def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
+def study_and_fit(content: object) -> "tuple[SimulateStudy, Fit]":
     """Return a study of motion, and the fit of the recording from which its drive comes.
 
     `content` holds the keys and values of the study; files of this machine are read.

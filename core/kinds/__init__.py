@@ -1,7 +1,5 @@
 """The kinds of study, each the record of its own package, and what holds for the results of all."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
@@ -18,7 +16,7 @@ if TYPE_CHECKING:
         share_left_out,
         tabulate,
     )
-    from vibrafeed.core.plan.kind import Kind
+    from vibrafeed.core.plan.pieces import Kind
 else:
     __getattr__ = lazily(
         __name__,
@@ -46,7 +44,7 @@ __all__ = [
     "tabulate",
 ]
 
-KINDS: Final[Mapping[str, Kind]] = Exported(
+KINDS: "Final[Mapping[str, Kind]]" = Exported(
     "KIND",
     {
         "sweep": sweep,

@@ -1,7 +1,5 @@
 """Studies of any kind carried out, and what their results say of themselves."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -32,7 +30,7 @@ def tabulate(prepared: Prepared, watch: Watch | None = None) -> Table:
     return carry_out(prepared, kind.compute, kind.label, watch)
 
 
-def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
+def run_study(study: Study, *, watch: Watch | None = None) -> "xarray.Dataset":
     """Compute a study and return its dataset; `watch` may stop it.
 
     Examples
@@ -44,7 +42,7 @@ def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
     return tabulate(prepare(study), watch).to_xarray()
 
 
-def open_lazily(prepared: Prepared) -> xarray.Dataset:
+def open_lazily(prepared: Prepared) -> "xarray.Dataset":
     """Return the dataset of a study of any size, whose values dask computes when they are read.
 
     Raises

@@ -1,7 +1,5 @@
 """A study of any size as a dataset of dask arrays: a block of cells is computed when it is read."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily

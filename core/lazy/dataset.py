@@ -4,14 +4,10 @@ A block is a box of cells; one call computes every variable in it. Everything th
 memory goes through here: reductions, files, slices of a service, clusters.
 """
 
-from __future__ import annotations
-
-import itertools
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import dask
@@ -25,17 +21,21 @@ from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.plan.evaluate import empty_results, evaluate, evaluate_at_once
 from vibrafeed.core.plan.labels import coordinates_of
-from vibrafeed.core.plan.plan import Plan, Verdict
+from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.system import cores
 from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
     from dask.array import Array
 
-BLOCK_CELLS = 1 << 22
-"""Most cells of a block of closed forms: some ten milliseconds, and 32 MiB a variable."""
+BLOCK_CELLS = 3 << 20
+"""Most cells of a block of closed forms: some milliseconds, and 24 MiB a variable.
+
+The C library gives arrays above 32 MiB back to the system each time, and a new one takes longer
+than the closed forms in it."""
+COUNTED = "counted "
+"""Begins the name of an output that is NaN where its regime describes no real part."""
 STOPPED = "it was stopped before all cells were evaluated, so there is no result"
 BLOCK_SECONDS = 1.0
 """Time on one core that a block of simulated motion should take."""
@@ -100,36 +100,27 @@ def dataset(
 
 
 def arrays_of(
-    prepared: Prepared,
-    names: Collection[str] | None = None,
-    *,
-    whole: Collection[str] = (),
-    cells: int | None = None,
-    valid: Mapping[str, Verdict] = MappingProxyType({}),
-) -> dict[str, Array]:
+    prepared: Prepared, *, whole: Collection[str] = (), cells: int | None = None
+) -> "dict[str, Array]":
     """Return the variables of a study as dask arrays in the units of files, by name.
 
     Parameters
     ----------
     prepared : Prepared
-        The study.
-    names : collection of str, optional
-        The variables, each over its `Prepared.dims`; all by default.
+        The study, whose variables are over their `Prepared.dims`.
     whole : collection of str, optional
         Axes along which a block is to hold all cells, as far as it has room.
     cells : int, optional
         Most cells of a block; by default `BLOCK_CELLS`, or `BLOCK_SECONDS` of motion.
-    valid : mapping of str to Verdict, optional
-        Outputs that are to be NaN where a verdict on the same axes says that they are not valid.
     """
     arrays: dict[str, Array] = {}
-    for field in fields_of(prepared, names):
+    for field in fields_of(prepared):
         chunks = chunks_of(prepared, field, cells or block_cells(prepared, field), whole)
-        arrays |= _arrays(prepared, field, chunks, valid)
+        arrays |= _arrays(prepared, field, chunks)
     return arrays
 
 
-def fields_of(prepared: Prepared, names: Collection[str] | None = None) -> list[Field]:
+def fields_of(prepared: Prepared) -> list[Field]:
     """Return the fields of a study: variables of motion together, closed forms by their axes.
 
     A motion is followed once for all that is told of it; a closed form costs little, and is not
@@ -137,11 +128,10 @@ def fields_of(prepared: Prepared, names: Collection[str] | None = None) -> list[
     """
     plan, dims, together = prepared.plan, prepared.dims, dict[tuple[str, ...], list[str]]()
     for name in (*plan.outputs, *plan.verdict_names):
-        if names is None or name in names:
-            judges = {judge.name} if (judge := plan.verdict_on(name)) else set()
-            is_slow = any(equation.takes_long for equation in plan.part((name,)).equations)
-            own = prepared.grid.dims({*dims[name], *(dim for one in judges for dim in dims[one])})
-            together.setdefault(("motion",) if is_slow else own, []).append(name)
+        judges = {judge.name} if (judge := plan.verdict_on(name)) else set()
+        is_slow = any(equation.takes_long for equation in plan.part((name,)).equations)
+        own = prepared.grid.dims({*dims[name], *(dim for one in judges for dim in dims[one])})
+        together.setdefault(("motion",) if is_slow else own, []).append(name)
     fields = []
     for group in together.values():
         judges = {judge.name for name in group if (judge := plan.verdict_on(name))}
@@ -151,12 +141,12 @@ def fields_of(prepared: Prepared, names: Collection[str] | None = None) -> list[
     return fields
 
 
-def block_cells(prepared: Prepared, field: Field) -> int:
+def block_cells(prepared: Prepared, field: Field, most: int = BLOCK_CELLS) -> int:
     """Return the number of cells of a block of a field; equal studies have equal blocks."""
     if not field.takes_long:
-        return BLOCK_CELLS
+        return most
     # A price that is measured would give other blocks, and last digits of means, in each run.
-    return int(min(BLOCK_CELLS, max(1, BLOCK_SECONDS / prepared.stated_seconds_a_cell)))
+    return max(1, min(most, int(BLOCK_SECONDS / prepared.stated_seconds_a_cell)))
 
 
 def chunks_of(
@@ -176,6 +166,16 @@ def chunks_of(
             chunks[dim] = tuple(min(step, shape[dim] - start) for start in starts)
             room //= step
     return {dim: chunks[dim] for dim in field.dims}
+
+
+def box_of(
+    chunks: Mapping[str, Sequence[int]], numbers: Iterable[int]
+) -> dict[str, tuple[int, int]]:
+    """Return start and stop on each axis of the block with some numbers on them."""
+    return {
+        dim: (k * lengths[0], k * lengths[0] + lengths[k])
+        for (dim, lengths), k in zip(chunks.items(), numbers, strict=True)
+    }
 
 
 def compute_block(
@@ -198,26 +198,21 @@ def compute_block(
             raise StoppedError(STOPPED)
     else:
         arrays = evaluate(field.plan, grid, threads=watch.threads)
-    return {name: prepared.in_files(name, values) for name, values in arrays.items()}
+    return {
+        name: prepared.in_files(name.removeprefix(COUNTED), values)
+        for name, values in arrays.items()
+    }
 
 
 def _arrays(
     prepared: Prepared,
     field: Field,
     chunks: Mapping[str, tuple[int, ...]],
-    valid: Mapping[str, Verdict],
-) -> dict[str, Array]:
-    ends = [list(itertools.accumulate(chunks[dim], initial=0)) for dim in field.dims]
-
+) -> "dict[str, Array]":
     def block(block_id: tuple[int, ...] = ()) -> NDArray[Any]:
-        box = {
-            dim: (at[k], at[k + 1]) for dim, at, k in zip(field.dims, ends, block_id, strict=True)
-        }
-        held = np.empty([1] * len(box), dtype=object)
-        arrays = compute_block(prepared, field, box, Watch(threads=1))
-        for name in valid.keys() & arrays.keys():
-            _mask(arrays[name], valid[name], arrays[valid[name].name])
-        held[(0,) * len(box)] = arrays
+        held = np.empty([1] * len(block_id), dtype=object)
+        box = box_of(chunks, block_id)
+        held[(0,) * len(block_id)] = compute_block(prepared, field, box, Watch(threads=1))
         return held
 
     counts = [len(chunks[dim]) for dim in field.dims]
@@ -233,7 +228,7 @@ def _arrays(
     for name in field.names:
         dims = prepared.dims[name]
         own = blocks[tuple(slice(None) if dim in dims else 0 for dim in field.dims)]
-        dtype = np.dtype({1: np.int8, 4: np.float32, 8: np.float64}[prepared.width(name)])
+        dtype = np.dtype(np.int8 if prepared.width(name) == 1 else np.float64)
         arrays[name] = own.map_blocks(
             _variable,
             variable=name,
@@ -250,12 +245,6 @@ def _variable(held: NDArray[Any], variable: str, dtype_: np.dtype[Any]) -> NDArr
     # Statuses of motion are computed as doubles.
     values: NDArray[Any] = held.item()[variable]
     return values.astype(dtype_, copy=False)
-
-
-def _mask(values: NDArray[Any], verdict: Verdict, regimes: NDArray[Any]) -> None:
-    for name in verdict.regimes:
-        if not REGIMES[name].valid:
-            np.copyto(values, np.nan, where=regimes == REGIMES[name].value)
 
 
 @contextmanager

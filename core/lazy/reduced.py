@@ -1,7 +1,5 @@
 """The section `[reduce]`: the result of a study holds statistics over some axes, and no cells."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import cached_property
@@ -15,8 +13,7 @@ from vibrafeed.core.errors import Problem
 from vibrafeed.core.plan.labels import coordinates_of
 from vibrafeed.core.plan.pieces import Computed
 from vibrafeed.core.plan.plan import Verdict
-from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.plan.price import in_words
+from vibrafeed.core.plan.prepared import Prepared, in_words
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.study.reduction import QUANTILE, LevelSet, Reduction, ShareCondition
 from vibrafeed.core.study.sweep_and_simulate import SimulateStudy, SweepStudy
@@ -49,10 +46,8 @@ class Statistic(NamedTuple):
         The output or verdict.
     axis : str
         The axis whose value at an extreme it has.
-    value : int
-        The regime that is counted.
     conditions : tuple of ShareCondition
-        The conditions of a share.
+        The conditions that cells meet, of a share or a regime.
     level : LevelSet, optional
         The level.
     """
@@ -63,7 +58,6 @@ class Statistic(NamedTuple):
     what: str
     of: str = ""
     axis: str = ""
-    value: int = 0
     conditions: tuple[ShareCondition, ...] = ()
     level: LevelSet | None = None
 
@@ -155,11 +149,6 @@ class Reduced(Prepared):
         return 8 * sum(self._points)
 
     @property
-    def computed_bytes(self) -> int:
-        """The bytes of the result as computed."""
-        return self.bytes
-
-    @property
     def cut_axes(self) -> tuple[str, ...]:
         """The axes along which the study can be cut: those that stay."""
         return tuple(axis for axis in self.grid.axes if axis not in self.asked.over)
@@ -181,9 +170,8 @@ class Reduced(Prepared):
     @property
     def needed(self) -> set[str]:
         """The outputs and verdicts that the answers need."""
-        told = {one.of for one in self.statistics if one.of}
-        told |= {one.name for statistic in self.statistics for one in statistic.conditions}
-        return told | {judge.name for name in told if (judge := self.judge(name))}
+        names = {one.of for one in self.statistics if one.of}
+        return names | {one.name for statistic in self.statistics for one in statistic.conditions}
 
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the results of a reduction as a table: arrays with coordinates and attributes.
@@ -258,9 +246,8 @@ def statistics_of(prepared: Reduced) -> Iterator[Statistic]:
                 "comment": REGIMES[regime].description,
             }
             name, dims = f"{verdict.name}_{regime}_count", prepared.kept(verdict.name)
-            yield Statistic(
-                name, dims, attributes, "regime", verdict.name, value=REGIMES[regime].value
-            )
+            met = (ShareCondition(verdict.name, "==", regime),)
+            yield Statistic(name, dims, attributes, "regime", conditions=met)
     for name, conditions in asked.shares.items():
         attributes = {
             "units": "1",

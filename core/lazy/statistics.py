@@ -1,12 +1,12 @@
 """The statistics of a reduction: dask computes them over the blocks of the cells."""
 
-from __future__ import annotations
-
 import math
 import operator
-from collections.abc import Callable, Mapping
-from dataclasses import replace
-from functools import reduce
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial, reduce
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 import dask.array
@@ -15,8 +15,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from vibrafeed.core.lazy.dataset import BLOCK_CELLS, arrays_of, watched
+from vibrafeed.core.lazy.dataset import BLOCK_CELLS, COUNTED, arrays_of, watched
+from vibrafeed.core.plan.plan import Plan, Verdict
 from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.scenes import Equation
 from vibrafeed.core.study.reduction import QUANTILE, ShareCondition
 from vibrafeed.core.watch import Watch
 
@@ -27,11 +29,9 @@ COMPARED: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
     "<": operator.lt, "<=": operator.le, "==": operator.eq,
     "!=": operator.ne, ">=": operator.ge, ">": operator.gt,
 }  # fmt: skip
-NOWHERE = np.iinfo(np.int64).max
-"""The number of the cell of an extreme where no cell counts."""
 
 
-def compute(prepared: Reduced, watch: Watch) -> dict[str, NDArray[Any]]:
+def compute(prepared: "Reduced", watch: Watch) -> dict[str, NDArray[Any]]:
     """Return the variables of a reduced study, in the units of files.
 
     Raises
@@ -41,47 +41,87 @@ def compute(prepared: Reduced, watch: Watch) -> dict[str, NDArray[Any]]:
     """
     cells = Cells(prepared)
     lazy = {one.name: cells.variable(one).transpose(*one.dims).data for one in prepared.statistics}
-    with watched(watch):
+    with watched(watch), warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, where no cell counts
         (found,) = dask.base.compute(lazy)
     return {name: np.asarray(values) for name, values in found.items()}
+
+
+@dataclass(frozen=True)
+class Counted:
+    """The function of an equation: an output, NaN where its regime describes no real part."""
+
+    output: str
+    verdict: Verdict
+
+    def __call__(self, **known: Any) -> Any:
+        """Return the values of the output in the cells that count."""
+        values = known[self.output]
+        counted = values if REGIMES[self.verdict.otherwise].valid else np.nan
+        for condition in reversed(self.verdict.conditions):  # the first that holds decides
+            holds = condition.function(**{name: known[name] for name in condition.inputs})
+            here = values if REGIMES[condition.regime].valid else np.nan
+            counted = np.where(holds, here, counted)
+        return counted
+
+
+def _counting(prepared: "Reduced") -> Plan:
+    """Return the plan of what a reduction needs, with outputs that are NaN in other cells.
+
+    A loop that writes NaN at once takes half as long as one that writes regimes besides.
+    """
+    plan, needed = prepared.plan, prepared.needed
+    equations, outputs = list(plan.equations), list[str]()
+    for name in (name for name in plan.outputs if name in needed):
+        verdict = prepared.judge(name)
+        if verdict is not None:
+            needs = (name, *verdict.inputs)
+            equations.append(Equation(COUNTED + name, Counted(name, verdict), "", needs=needs))
+        outputs.append(name if verdict is None else COUNTED + name)
+    whole = replace(plan, equations=tuple(equations))
+    return whole.part([*outputs, *(name for name in plan.verdict_names if name in needed)])
 
 
 class Cells:
     """The cells that a reduction asks for, as lazy arrays."""
 
-    def __init__(self, prepared: Reduced):
-        self.asked, self._prepared, names = prepared.asked, prepared, prepared.needed
+    def __init__(self, prepared: "Reduced"):
+        self.asked, self._prepared = prepared.asked, prepared
         # numpy is ten times as fast over leading axes as over last ones, unless these fill a block.
         over = prepared.asked.over
         is_last = prepared.grid.size(over) > BLOCK_CELLS // 64
         order = sorted(prepared.grid.axes, key=lambda axis: (axis in over) == is_last)
-        axes = {axis: prepared.grid.axes[axis] for axis in order}
-        whole = replace(prepared.whole, grid=replace(prepared.grid, axes=axes))
-        dims = whole.dims
-        judged = {name: judge for name in names if (judge := prepared.judge(name))}
-        self._masked = {n for n, judge in judged.items() if dims[n] == dims[judge.name]}
-        valid = {name: judged[name] for name in self._masked}
-        arrays = arrays_of(whole, names, whole=self.asked.over, valid=valid)
-        self._arrays = {n: xarray.DataArray(array, dims=dims[n]) for n, array in arrays.items()}
+        grid = replace(prepared.grid, axes={axis: prepared.grid.axes[axis] for axis in order})
+        whole = replace(prepared.whole, plan=_counting(prepared), grid=grid)
+        arrays = arrays_of(whole, whole=over)
+        self._arrays = {
+            name.removeprefix(COUNTED): xarray.DataArray(array, dims=whole.dims[name])
+            for name, array in arrays.items()
+        }
+        counted = [one.of for one in prepared.statistics if one.what == "count"]
+        self._of = {name: self._moments(self._arrays[name]) for name in counted}
 
-    def variable(self, statistic: Statistic) -> xarray.DataArray:
+    def variable(self, statistic: "Statistic") -> xarray.DataArray:
         """Return a variable of the result."""
-        if statistic.what == "regime":
-            regimes = self._arrays[statistic.of]
-            return (regimes == statistic.value).sum(self.gone(regimes)) * self.times(regimes)
-        if statistic.what == "share":
+        if statistic.conditions:
             met = reduce(operator.and_, map(self.meets, statistic.conditions))
-            gone = self.gone(met)
-            return met.sum(gone) / math.prod(met.sizes[dim] for dim in gone)
-        values = self.counted(statistic.of)
+            count = met.sum(self.gone(met)) * self.times(met)
+            cells = self._prepared.grid.size(self.asked.over)
+            return count / cells if statistic.what == "share" else count
+        values = self._arrays[statistic.of]
         if statistic.what == "level":
             return self._crossing(values, statistic)
         if statistic.what == QUANTILE:
             return self._quantile(values)
+        moments = self._of[statistic.of]
+        known: dict[str, Any] = {"what": statistic.what}
         if statistic.axis:
-            return self._position(values, statistic)
-        found = _reduced(values, self.gone(values), statistic.what)
-        return found * self.times(values) if statistic.what == "count" else found
+            known["axis"] = self._prepared.grid.coordinate(statistic.axis)
+            known["stride"] = self._strides(values).get(statistic.axis, math.inf)
+        data = moments.data.map_blocks(_statistic, **known, dtype=np.float64)
+        result = moments.copy(data=data)
+        is_count = statistic.what == "count"
+        return result.astype(np.int64) * self.times(values) if is_count else result
 
     def meets(self, condition: ShareCondition) -> xarray.DataArray:
         """Return a mask of the cells that meet the condition of a share."""
@@ -89,17 +129,8 @@ class Cells:
         if condition.is_regime:
             number = REGIMES[str(condition.value)].value
             return compare(self._arrays[condition.name], number)
-        values = self.counted(condition.name)
+        values = self._arrays[condition.name]
         return compare(values, condition.value) & values.notnull()
-
-    def counted(self, name: str) -> xarray.DataArray:
-        """Return an output with NaN where its regime describes no real part."""
-        values, judge = self._arrays[name], self._prepared.judge(name)
-        if judge is None or name in self._masked:
-            return values
-        doubted = [REGIMES[name].value for name in judge.regimes if not REGIMES[name].valid]
-        masked = values.where(~self._arrays[judge.name].isin(doubted))
-        return masked.transpose(*self._prepared.grid.dims(map(str, masked.dims)))
 
     def gone(self, array: xarray.DataArray) -> tuple[str, ...]:
         """Return the axes of an array that the reduction takes away, in the order of the grid."""
@@ -110,21 +141,44 @@ class Cells:
         shape = self._prepared.grid.shape
         return math.prod(shape[axis] for axis in self.asked.over if axis not in array.dims)
 
-    def _quantile(self, values: xarray.DataArray) -> xarray.DataArray:
-        gone, shares = self.gone(values), self.asked.quantiles
-        quantiles: xarray.DataArray = xarray.apply_ufunc(
-            _quantiles,
-            values.chunk(dict.fromkeys(gone, -1)),
-            input_core_dims=[gone],
-            output_core_dims=[[QUANTILE]],
-            kwargs={"shares": shares, "axes": len(gone), "times": self.times(values)},
-            dask="parallelized",
-            dask_gufunc_kwargs={"output_sizes": {QUANTILE: len(shares)}},
-            output_dtypes=[np.float64],
-        )
-        return quantiles
+    def _strides(self, values: xarray.DataArray) -> dict[str, int]:
+        # of the numbers of the cells that become one, the last axis fastest
+        gone = self.gone(values)
+        sizes = [values.sizes[dim] for dim in gone]
+        return {dim: math.prod(sizes[k + 1 :]) for k, dim in enumerate(gone)}
 
-    def _crossing(self, values: xarray.DataArray, statistic: Statistic) -> xarray.DataArray:
+    def _moments(self, values: xarray.DataArray) -> xarray.DataArray:
+        wanted = (_MOMENTS.get(what, (what,)) for what in self.asked.statistics)
+        names = tuple(dict.fromkeys(["count", *chain.from_iterable(wanted)]))
+        numbers: Any = None
+        if {"argmax", "argmin"} & {*names}:
+            numbers = np.zeros(())
+            for dim, stride in self._strides(values).items():
+                along = dask.array.arange(values.sizes[dim], chunks=values.chunksizes[dim])
+                shape = [-1 if other == dim else 1 for other in values.dims]
+                numbers = numbers + stride * along.reshape(shape)
+        gone = self.gone(values)
+        kept = [dim for dim in values.dims if dim not in gone]
+        dtype = [(name, np.float64) for name in names]
+        moments = dask.array.reduction(
+            values.data,
+            partial(_moments, names=names),
+            _joined,
+            axis=tuple(values.get_axis_num(dim) for dim in gone),
+            dtype=dtype,
+            meta=np.empty((0,) * len(kept), dtype),
+            weights=numbers,
+        )
+        return xarray.DataArray(moments, dims=kept)
+
+    def _quantile(self, values: xarray.DataArray) -> xarray.DataArray:
+        shape, over = self._prepared.grid.shape, self.asked.over
+        cells = values.expand_dims({dim: shape[dim] for dim in over if dim not in values.dims})
+        # Along one axis dask takes the quantiles of all answers at once.
+        lines = cells.chunk(dict.fromkeys(over, -1)).stack({"cell": over}, create_index=False)
+        return lines.quantile(list(self.asked.quantiles), "cell")
+
+    def _crossing(self, values: xarray.DataArray, statistic: "Statistic") -> xarray.DataArray:
         level = statistic.level
         assert level is not None
         largest = level.take == "largest"
@@ -144,132 +198,89 @@ class Cells:
         extreme: xarray.DataArray = crossed.max(gone) if largest else crossed.min(gone)
         return extreme.where(np.isfinite(extreme))
 
-    def _position(self, values: xarray.DataArray, statistic: Statistic) -> xarray.DataArray:
-        """Return the value of an axis in the first cell with the largest or least value."""
-        gone, axis = self.gone(values), self._prepared.grid.coordinate(statistic.axis)
-        if not gone:
-            return values.where(values.isnull(), axis[0])
-        sizes = [values.sizes[dim] for dim in gone]
-        strides = {dim: math.prod(sizes[k + 1 :]) for k, dim in enumerate(gone)}
-        numbers: Any = np.zeros((), np.int64)
-        for dim, stride in strides.items():
-            chunks = values.chunksizes[dim]
-            along = dask.array.arange(values.sizes[dim], chunks=chunks, dtype=np.int64)
-            shape = [-1 if other == dim else 1 for other in values.dims]
-            numbers = numbers + stride * along.reshape(shape)
-        kept = [dim for dim in values.dims if dim not in gone]
-        number = dask.array.reduction(
-            (values if statistic.what == "argmax" else -values).data,
-            _largest,
-            _number_of_largest,
-            axis=tuple(values.get_axis_num(dim) for dim in gone),
-            combine=_larger,
-            dtype=np.int64,
-            meta=np.empty((0,) * len(kept), np.int64),
-            weights=numbers,
-        )
-        stride, size = strides.get(statistic.axis, 1), len(axis)
-        position = number // stride % size if statistic.axis in gone else 0 * number
-        values_there = position.map_blocks(lambda at: axis[at], dtype=np.float64)
-        return xarray.DataArray(
-            dask.array.where(number == NOWHERE, np.nan, values_there), dims=kept
-        )
+
+# xarray's own reductions pass over the cells for each statistic, and warn where none counts.
+_MOMENTS: Final = {
+    "mean": ("sum",), "std": ("sum", "squares"), "argmax": ("max", "argmax"),
+    "argmin": ("min", "argmin"),
+}  # fmt: skip
+"""What is kept of a block for a statistic; by default itself."""
+_EXTREMES: Final = {"max": np.fmax, "min": np.fmin}
 
 
-def _reduced(values: xarray.DataArray, gone: tuple[str, ...], what: str) -> xarray.DataArray:
-    if what == "std":
-        return values.std(gone)
-    if what == "mean":
-        count = _reduced(values, gone, "count")
-        return _reduced(values, gone, "sum") / count.where(count > 0)
-    of_block, joined, dtype = _FOLDS[what]
-    kept = [dim for dim in values.dims if dim not in gone]
-    reduced = dask.array.reduction(
-        values.data,
-        of_block,
-        joined,
-        axis=tuple(values.get_axis_num(dim) for dim in gone),
-        dtype=dtype,
-        meta=np.empty((0,) * len(kept), dtype),
-    )
-    return xarray.DataArray(reduced, dims=kept)
+def _mean(moments: Any) -> Any:
+    return moments["sum"] / moments["count"]
 
 
-def _fold(ufunc: np.ufunc) -> Callable[..., Any]:
-    def fold(values: Any, axis: tuple[int, ...], keepdims: bool) -> Any:
-        with np.errstate(invalid="ignore"):
-            return ufunc.reduce(values, axis=axis, keepdims=keepdims)
-
-    return fold
-
-
-def _sum(values: Any, axis: tuple[int, ...], keepdims: bool) -> Any:
-    with np.errstate(invalid="ignore"):
-        return np.sum(values, axis=axis, keepdims=keepdims, where=~np.isnan(values))
-
-
-def _count(values: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> Any:
-    return np.count_nonzero(values == values, axis=axis, keepdims=keepdims)
-
-
-# xarray's own reductions take two to four times as long and warn where no cell of a block counts.
-_FOLDS: Final = {
-    "max": (_fold(np.fmax), _fold(np.fmax), np.float64),
-    "min": (_fold(np.fmin), _fold(np.fmin), np.float64),
-    "sum": (_sum, _fold(np.add), np.float64),
-    "count": (_count, _fold(np.add), np.int64),
-}
-
-
-_PAIR: Final = np.dtype([("value", np.float64), ("number", np.int64)])
-
-
-def _largest(
-    values: NDArray[Any], numbers: NDArray[Any], axis: tuple[int, ...], keepdims: bool
+def _moments(
+    values: NDArray[Any],
+    numbers: Any = None,
+    *,
+    axis: tuple[int, ...],
+    keepdims: bool,
+    names: Sequence[str],
 ) -> NDArray[Any]:
-    """Return the largest value of a block, NaN aside, and the number of the first cell with it."""
-    best = np.fmax.reduce(values, axis=axis, keepdims=True, initial=np.nan)
-    at = np.where(values == best, numbers, NOWHERE).min(axis=axis, keepdims=True)
-    pairs = np.empty(best.shape, _PAIR)
-    pairs["value"], pairs["number"] = best, at
-    return pairs
+    """Return moments of a block, NaN aside, as a record.
 
-
-def _larger(pairs: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
-    return _largest(pairs["value"], pairs["number"], axis, keepdims)
-
-
-def _number_of_largest(pairs: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
-    best = np.fmax.reduce(pairs["value"], axis=axis, keepdims=True)
-    at = np.where(pairs["value"] == best, pairs["number"], NOWHERE)
-    return at.min(axis=axis, keepdims=keepdims)
-
-
-def _quantiles(
-    values: NDArray[np.float64], shares: tuple[float, ...], axes: int, times: int
-) -> NDArray[np.float64]:
-    """Return quantiles over the last `axes` axes of an array, NaN aside, along a new last axis.
-
-    Each value counts `times`, as it stands for so many cells. Between two cells a quantile lies on
-    the straight line between their values, as in numpy's method `linear`.
+    The squares are those of deviations from the mean; of extremes there are the `numbers` of the
+    first cells that have them.
     """
-    # numpy.nanquantile takes one line after another, and warns where a line is empty.
-    kept = values.shape[: values.ndim - axes]
-    lines = np.sort(values.reshape(math.prod(kept), -1), axis=-1)
-    counts = np.count_nonzero(~np.isnan(lines), axis=-1)
-    result = np.full((len(lines), len(shares)), np.nan)
-    some = np.flatnonzero(counts)
-    cells = counts[some] * times
-    for k, share in enumerate(shares):
-        before, part = np.divmod(share * (cells - 1), 1.0)
-        at = before.astype(np.int64)
-        low = lines[some, at // times]
-        high = lines[some, np.minimum(at + 1, cells - 1) // times]
-        with np.errstate(invalid="ignore"):
-            step = np.where(low == high, 0.0, high - low)
-            between = np.where(part < 0.5, low + step * part, high - step * (1 - part))
-        result[some, k] = np.where(part == 0, low, between)  # an infinite step has no part of 0
-    return result.reshape(*kept, len(shares))
+    along: Any = {"axis": axis, "keepdims": keepdims}
+    counted = values == values
+    # A block has fewer than 2^31 cells; numpy.count_nonzero takes twice as long.
+    moments: dict[str, Any] = {"count": np.sum(counted, dtype=np.int32, **along)}
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for name in names[1:]:
+            if name in _EXTREMES:
+                moments[name] = _EXTREMES[name].reduce(values, **along)
+            elif name.startswith("arg"):
+                moments[name] = _first(values, numbers, moments[name[3:]], along)
+            else:
+                summed = values if name == "sum" else np.square(values - _mean(moments))
+                moments[name] = np.sum(summed, where=counted, **along)
+    return _record(moments)
+
+
+def _first(values: Any, numbers: Any, extreme: Any, along: Any) -> Any:
+    return np.where(values == extreme, numbers, np.inf).min(**along)
+
+
+def _joined(parts: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
+    """Return the moments of several blocks together."""
+    along: Any = {"axis": axis, "keepdims": True}
+    moments: dict[str, Any] = {}
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for name in parts.dtype.names or ():
+            if name.startswith("arg"):
+                of = name[3:]
+                moments[name] = _first(parts[of], parts[name], moments[of], along)
+            else:
+                moments[name] = _EXTREMES.get(name, np.add).reduce(parts[name], **along)
+        if "squares" in moments:
+            apart = np.square(_mean(parts) - _mean(moments))
+            moments["squares"] += np.nansum(parts["count"] * apart, **along)
+    record = _record(moments)
+    return record if keepdims else record.squeeze(axis)
+
+
+def _record(moments: Mapping[str, Any]) -> NDArray[Any]:
+    record = np.empty(moments["count"].shape, [(name, np.float64) for name in moments])
+    for name, values in moments.items():
+        record[name] = values
+    return record
+
+
+def _statistic(moments: Any, what: str, axis: Any = None, stride: float = 1) -> Any:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        if what == "mean":
+            return _mean(moments)
+        if what == "std":
+            return np.sqrt(moments["squares"] / moments["count"])
+        if axis is None:
+            return moments[what]
+        is_some = np.isfinite(moments[what])
+        at = np.where(is_some, moments[what] // stride % len(axis), 0).astype(np.int64)
+        return np.where(is_some, axis[at], np.nan)
 
 
 def _crossings(

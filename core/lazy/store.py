@@ -4,28 +4,24 @@ A Zarr group takes blocks in any order and from anywhere, so that a run that was
 the workers of a cluster write it together. A NetCDF file is written in one go, by one thread.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
-from collections import deque
-from collections.abc import Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any
 
-import dask.array
 import numpy as np
 from dask.base import compute
+from dask.delayed import delayed
 from numpy.typing import NDArray
 
-from vibrafeed import core
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.dataset.files import partial, settle, whole
 from vibrafeed.core.dataset.group import create_arrays, put
-from vibrafeed.core.dataset.netcdf import define, opened
+from vibrafeed.core.dataset.netcdf import created
 from vibrafeed.core.dataset.stores import (
     GROUP,
     UNFINISHED,
@@ -37,10 +33,10 @@ from vibrafeed.core.dataset.stores import (
     remove_all,
 )
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.lazy.dataset import (
-    STOPPED,
     Field,
+    block_cells,
+    box_of,
     chunks_of,
     compute_block,
     fields_of,
@@ -48,7 +44,6 @@ from vibrafeed.core.lazy.dataset import (
 )
 from vibrafeed.core.plan.labels import coordinates_of
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.system import cores, sync
 from vibrafeed.core.watch import Watch
 
@@ -56,9 +51,6 @@ STORED_CELLS = 1 << 18
 """Cells of a block that is stored, and of a chunk of its file: 2 MiB a variable."""
 AT_ONCE = 1024
 """Blocks that dask is told of at once: each takes it 15 KB."""
-UNDER_WAY: Final = "This group is being written: missing values read as NaN, a regime as 0."
-"""The comment of a group under way."""
-
 Region = tuple[slice, ...]
 
 
@@ -80,11 +72,6 @@ class Block:
     box: Mapping[str, tuple[int, int]]
     at: Mapping[str, int]
 
-    @property
-    def cells(self) -> int:
-        """The number of points."""
-        return math.prod(stop - start for start, stop in self.box.values())
-
 
 class Blocks:
     """The blocks in which a study is stored; equal studies have equal blocks."""
@@ -92,9 +79,8 @@ class Blocks:
     def __init__(self, prepared: Prepared):
         self.prepared, self._fields = prepared, []
         for one in fields_of(prepared):
-            chunks = chunks_of(prepared, one, stored_cells(prepared, one))
-            ends = {dim: [0, *itertools.accumulate(chunks[dim])] for dim in one.dims}
-            self._fields.append((one, ends, [len(chunks[dim]) for dim in one.dims]))
+            chunks = chunks_of(prepared, one, block_cells(prepared, one, STORED_CELLS))
+            self._fields.append((one, chunks, [len(lengths) for lengths in chunks.values()]))
         self._starts = [0, *itertools.accumulate(math.prod(n) for _, _, n in self._fields)]
 
     def __len__(self) -> int:
@@ -102,11 +88,15 @@ class Blocks:
 
     def __getitem__(self, index: int) -> Block:
         at = next(k for k, stop in enumerate(self._starts[1:]) if index < stop)
-        one, ends, counts = self._fields[at]
+        one, chunks, counts = self._fields[at]
         place = np.unravel_index(index - self._starts[at], counts) if counts else ()
-        numbers = dict(zip(one.dims, map(int, place), strict=True))
-        box = {dim: (ends[dim][k], ends[dim][k + 1]) for dim, k in numbers.items()}
-        return Block(one, box, numbers)
+        numbers = [int(k) for k in place]
+        return Block(one, box_of(chunks, numbers), dict(zip(one.dims, numbers, strict=True)))
+
+    def compute(self, index: int, watch: Watch) -> dict[str, NDArray[Any]]:
+        """Return the variables of a block; raise `StoppedError` if `watch` stops it."""
+        block = self[index]
+        return compute_block(self.prepared, block.field, block.box, watch)
 
     def regions(self, block: Block) -> dict[str, Region]:
         """Return the regions of the arrays that the variables of a block fill.
@@ -122,83 +112,20 @@ class Blocks:
 
     def chunk(self, name: str) -> tuple[int, ...]:
         """Return the lengths of the blocks of a variable."""
-        ends = next(ends for one, ends, _ in self._fields if name in one.names)
-        return tuple(ends[dim][1] for dim in self.prepared.dims[name])
+        chunks = next(chunks for one, chunks, _ in self._fields if name in one.names)
+        return tuple(chunks[dim][0] for dim in self.prepared.dims[name])
 
 
-def points_of(prepared: Prepared) -> int:
-    """Return the number of points of all blocks of a study."""
-    return sum(prepared.grid.size(one.dims) for one in fields_of(prepared))
-
-
-def stored_cells(prepared: Prepared, field: Field) -> int:
-    """Return the number of cells of a block that is stored: some seconds of motion at most."""
-    if not field.takes_long:
-        return STORED_CELLS
-    # A price that is measured would give other blocks in each process.
-    return max(1, min(STORED_CELLS, int(1 / prepared.stated_seconds_a_cell)))
-
-
-@dataclass
-class Written:
-    """The blocks that a run has computed and written.
-
-    Attributes
-    ----------
-    cells : int
-        Their points.
-    ends : dict of str to tuple of float
-        The least and largest finite and valid value of each output.
-    regimes : dict of str to dict of str to int
-        Number of cells in each regime, by the name of the verdict and of the regime.
-    """
-
-    cells: int = 0
-    ends: dict[str, tuple[float, float]] = field(default_factory=dict)
-    regimes: dict[str, dict[str, int]] = field(default_factory=dict)
-
-    def add(self, other: Written) -> None:
-        """Add other blocks."""
-        self.cells += other.cells
-        for name, (least, largest) in other.ends.items():
-            ends = self.ends.get(name, (least, largest))
-            self.ends[name] = min(least, ends[0]), max(largest, ends[1])
-        for name, counts in other.regimes.items():
-            known = self.regimes.setdefault(name, dict.fromkeys(counts, 0))
-            for regime, count in counts.items():
-                known[regime] += count
-
-
-def summary(blocks: Blocks, block: Block, arrays: Mapping[str, NDArray[Any]]) -> Written:
-    """Return extremes and counts of regimes of a block that was computed."""
-    plan, dims, regions = blocks.prepared.plan, blocks.prepared.dims, blocks.regions(block)
-    written = Written(block.cells)
-    for verdict in plan.verdicts:
-        if verdict.name in regions:
-            written.regimes[verdict.name] = {
-                name: int(np.count_nonzero(arrays[verdict.name] == REGIMES[name].value))
-                for name in verdict.regimes
-            }
-    for name in regions:
-        if name in plan.verdict_names:
-            continue
-        judge, counted = plan.verdict_on(name), np.asarray(np.isfinite(arrays[name]))
-        if judge is not None and judge.doubts:
-            valid, own = np.ones(arrays[judge.name].shape, bool), dims[judge.name]
-            for regime in (REGIMES[one] for one in judge.regimes):
-                if not regime.valid:  # several times as fast as numpy.isin
-                    valid &= arrays[judge.name] != regime.value
-            apart = tuple(k for k, dim in enumerate(own) if dim not in dims[name])
-            valid = np.asarray(valid.any(axis=apart))
-            shape = zip(dims[name], counted.shape, strict=True)
-            counted = counted & np.reshape(
-                valid, [size if dim in own else 1 for dim, size in shape]
-            )
-        if counted.any():
-            values = np.where(counted, arrays[name], np.nan)
-            ends = (float(end.reduce(values, axis=None)) for end in (np.fmin, np.fmax))
-            written.ends[name] = next(ends), next(ends)
-    return written
+def _computed(
+    function: Callable[[int, Watch], Any], numbers: Sequence[int], at_once: int, watch: Watch
+) -> Iterator[tuple[int, Any]]:
+    """Yield blocks and their results, as many `at_once` as dask is told of."""
+    for start in range(0, len(numbers), at_once):
+        some = numbers[start : start + at_once]
+        with watched(watch.part(len(some) / len(numbers))):
+            task = delayed(function, pure=False)
+            (found,) = compute([task(index, Watch(threads=1)) for index in some])
+        yield from zip(some, found, strict=True)
 
 
 # --- NetCDF
@@ -212,7 +139,7 @@ def store_netcdf(
     *,
     history: str | None = None,
     compression: bool = True,
-) -> Written:
+) -> None:
     """Compute a study and write it as NetCDF, which appears when it is complete.
 
     Equal studies give equal bytes without a history. Memory is that of a few blocks.
@@ -224,33 +151,18 @@ def store_netcdf(
     OSError
         If it cannot be written.
     """
-    blocks, written = Blocks(prepared), Written()
+    blocks = Blocks(prepared)
     chunks = {name: blocks.chunk(name) for name in outline.variables}
-    table, threads = whole_table(prepared, outline), watch.threads or cores()
-    with whole(path) as temporary:
-        define(temporary, table, history=history, compression=compression, chunks=chunks)
-        with opened(temporary, "a") as file, ThreadPoolExecutor(threads) as pool:
-            waiting: deque[tuple[Block, Future[dict[str, NDArray[Any]]]]] = deque()
-            left = iter(range(len(blocks)))
-            while True:
-                for index in itertools.islice(left, 2 * threads - len(waiting)):
-                    block = blocks[index]
-                    task = pool.submit(
-                        compute_block, prepared, block.field, block.box, Watch(threads=1)
-                    )
-                    waiting.append((block, task))
-                if not waiting:
-                    break
-                if watch.stopped():
-                    pool.shutdown(cancel_futures=True)
-                    raise StoppedError(STOPPED)
-                block, task = waiting.popleft()
-                arrays = task.result()
-                for name, region in blocks.regions(block).items():
-                    file[name][region] = arrays[name]
-                written.add(summary(blocks, block, arrays))
-                watch.advance(1 / len(blocks))
-    return written
+    table, at_once = whole_table(prepared, outline), 4 * (watch.threads or cores())
+    if history is not None:
+        table = table.with_history(history)
+    with (
+        whole(path) as temporary,
+        created(temporary, table, compression=compression, chunks=chunks) as file,
+    ):
+        for index, arrays in _computed(blocks.compute, range(len(blocks)), at_once, watch):
+            for name, region in blocks.regions(blocks[index]).items():
+                file[name][region] = arrays[name]
 
 
 def whole_table(prepared: Prepared, outline: Table) -> Table:
@@ -296,7 +208,7 @@ class ZarrStore:
     @property
     def identity(self) -> dict[str, str]:
         """The text by which a run knows its own group."""
-        return {"study": self.prepared.study.key(), "version": core.__version__}
+        return {"study": self.prepared.study.key(), "version": code_version()}
 
     def begin(self, outline: Table, *, resume: bool = False) -> None:
         """Create the group; with `resume` keep one that a run of the same study has begun.
@@ -329,7 +241,7 @@ class ZarrStore:
         create_arrays(group, outline, sizes=self.prepared.grid.shape, chunks=chunks)
         for name, one in coordinates_of(self.prepared.plan, self.prepared.grid).items():
             put(group, name, ..., one.values)
-        group.attrs.update({UNFINISHED: self.identity, "comment": UNDER_WAY})
+        group.attrs[UNFINISHED] = self.identity
         names = (*outline.coordinates, *outline.variables)
         put_document(self.under_way, document_of(group, names))
 
@@ -345,7 +257,7 @@ class ZarrStore:
             for name in blocks.regions(block)
         }
 
-    def write(self, index: int, watch: Watch) -> Written:
+    def write(self, index: int, watch: Watch) -> None:
         """Compute a block and store it.
 
         Raises
@@ -354,8 +266,7 @@ class ZarrStore:
             If `watch` stops it.
         """
         blocks = Blocks(self.prepared)
-        block = blocks[index]
-        arrays = compute_block(self.prepared, block.field, block.box, watch)
+        block, arrays = blocks[index], blocks.compute(index, watch)
         stored = _opened(self.under_way, self.prepared.study.key())
         with plain_errors():
             for name, region in blocks.regions(block).items():
@@ -363,9 +274,8 @@ class ZarrStore:
         if "://" not in self.where:
             for key in self._keys(blocks, block):
                 sync(Path(self.under_way) / key)
-        return summary(blocks, block, arrays)
 
-    def store(self, watch: Watch) -> Written:
+    def store(self, watch: Watch) -> None:
         """Compute and store all blocks that are missing, on the threads of dask or its cluster.
 
         Raises
@@ -373,23 +283,10 @@ class ZarrStore:
         StoppedError
             If `watch` stops it; the blocks that were written by then stay.
         """
-        missing, count, written = self.missing(), len(Blocks(self.prepared)), Written()
+        missing, count = self.missing(), len(Blocks(self.prepared))
         watch.advance(1 - len(missing) / count)
-
-        def write(numbers: NDArray[np.int64]) -> NDArray[Any]:
-            held = np.empty(1, dtype=object)
-            held[0] = self.write(int(numbers[0]), Watch(threads=1))
-            return held
-
-        for start in range(0, len(missing), AT_ONCE):
-            some = missing[start : start + AT_ONCE]
-            numbers = dask.array.from_array(np.array(some), chunks=1)
-            stored = numbers.map_blocks(write, dtype=object, meta=np.empty(0, dtype=object))
-            with watched(watch.part(len(some) / count)):
-                (found,) = compute(stored)
-            for one in found:
-                written.add(one)
-        return written
+        for _ in _computed(self.write, missing, AT_ONCE, watch.part(len(missing) / count)):
+            pass
 
     def finish(self, more: Mapping[str, Any] = MappingProxyType({})) -> None:
         """Set the attributes and `more`, such as the cost, and make the complete group visible."""
@@ -397,7 +294,6 @@ class ZarrStore:
             group = open_group(self.under_way)
             own = dict(group.attrs)
             own.pop(UNFINISHED, None)
-            own["comment"] = self.prepared.plan.scene.validity
             group.attrs.put({**own, **more})
             begun = group.metadata.consolidated_metadata
             names = () if begun is None else begun.metadata

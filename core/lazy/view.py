@@ -3,8 +3,6 @@
 Every size that is allocated here is that of a chunk, whatever the size of the sweep.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import operator
@@ -19,16 +17,11 @@ from zarr.storage import MemoryStore
 from vibrafeed.core.dataset.group import create_arrays
 from vibrafeed.core.dataset.stores import GROUP, document_of
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.plan.evaluate import evaluate
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.quantities import letter_of
-from vibrafeed.core.suggestions import Suggestions
 
 CHUNK_CELLS = 65_536
 """Most values of a chunk, 512 KiB of floats: worth a request, and soon sent."""
-ALL = "all"
-_FIX = "Write AXIS:all or AXIS:NUMBER, with commas between, as in frequency:all,friction:1"
 _CHUNK = re.compile(r"c((?:/(?:0|[1-9][0-9]{0,17}))*)")
 
 
@@ -47,29 +40,14 @@ class ZarrView:
         The result of its first cell.
     chunk_cells : int
         Largest number of values of a chunk.
-    chunks : str
-        Lengths of chunks that a reader wishes, such as ``frequency:all``; axes are cut alike if
-        left out. Coordinates have chunks of their own.
-
-    Raises
-    ------
-    StudyError
-        If the wishes cannot be met.
     """
 
-    def __init__(
-        self, sweep: Prepared, outline: Table, *, chunk_cells: int = CHUNK_CELLS, chunks: str = ""
-    ):
+    def __init__(self, sweep: Prepared, outline: Table, *, chunk_cells: int = CHUNK_CELLS):
         self._sweep, self._outline = sweep, outline
         sizes = sweep.grid.shape
-        wishes = read_wishes(chunks, sizes, chunk_cells) if chunks else {}
         shapes = {
-            name: wished_shape(one.dims, sizes, wishes, chunk_cells)
-            for name, one in outline.variables.items()
-        }
-        shapes |= {
-            name: wished_shape(one.dims, sizes, {}, chunk_cells)
-            for name, one in outline.coordinates.items()
+            name: even_shape(one.dims, sizes, chunk_cells)
+            for name, one in {**outline.coordinates, **outline.variables}.items()
         }
         group = zarr.open_group(MemoryStore(), mode="w", zarr_format=3)
         create_arrays(group, outline, sizes=sizes, chunks=shapes, compressed=False)
@@ -93,10 +71,6 @@ class ZarrView:
             return len(self._documents[key])
         array = self._arrays[self._find(key)[0]]
         return math.prod(array.chunks) * array.dtype.itemsize
-
-    def chunks(self) -> dict[str, tuple[int, ...]]:
-        """Return the number of chunks along each dimension of every array."""
-        return {name: self._counts(name) for name in self._arrays}
 
     def _counts(self, name: str) -> tuple[int, ...]:
         array = self._arrays[name]
@@ -133,56 +107,12 @@ class ZarrView:
         return filled.tobytes()
 
 
-def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int | None]:
-    """Return the chunk lengths that a reader asks for, such as ``frequency:all,friction:1``.
-
-    It is None for ``all``.
-
-    Raises
-    ------
-    StudyError
-        With every problem.
-    """
-    lengths: dict[str, int | None] = {}
-    problems, suggest = [], Suggestions()
-    for word in text.split(","):
-        name, _, length = word.partition(":")
-        name = letter_of(name)
-        is_number = length.isdecimal() and length.isascii() and len(length) <= 18
-        if name not in sizes:
-            message, fix = f"'{name[:60]}' is not an axis of this sweep", suggest(name, sizes)
-        elif name in lengths:
-            message, fix = f"{name} is given twice", "Name each axis once"
-        elif length != ALL and not (is_number and int(length) > 0):
-            message, fix = f"'{length[:60]}' is not a length along {name}", _FIX
-        else:
-            lengths[name] = None if length == ALL else min(int(length), sizes[name])
-            continue
-        problems.append(Problem("chunks", message, fix))
-    cells = math.prod(n for n in lengths.values() if n is not None)
-    if cells > most:
-        message = f"chunks of {cells:,} values are larger than the {most:,} that they may have"
-        fix = "Write all instead of a number, for the largest chunks that are possible"
-        problems.append(Problem("chunks", message, fix))
-    if problems:
-        raise StudyError(problems)
-    return lengths
-
-
-def wished_shape(
-    dims: Sequence[str], sizes: Mapping[str, int], wishes: Mapping[str, int | None], most: int
-) -> tuple[int, ...]:
-    """Return the chunk lengths of an array: those wished, then whole axes, then all others.
-
-    Axes that do not fit are cut alike.
-    """
-    lengths = {dim: n for dim in dims if (n := wishes.get(dim)) is not None}
-    left = [dim for dim in dims if dim not in lengths]
-    for group in ([d for d in left if d in wishes], [d for d in left if d not in wishes]):
-        room = max(1, most // math.prod(lengths.values()))
-        # Short axes first: the room that they leave goes to the long ones.
-        for done, dim in enumerate(sorted(group, key=lambda dim: sizes[dim])):
-            fair = max(1, int(room ** (1 / (len(group) - done)) + 1e-9))
-            lengths[dim] = -(-sizes[dim] // -(-sizes[dim] // fair))
-            room //= lengths[dim]
+def even_shape(dims: Sequence[str], sizes: Mapping[str, int], most: int) -> tuple[int, ...]:
+    """Return the chunk lengths of an array: all axes are cut alike."""
+    lengths, room = dict[str, int](), most
+    # Short axes first: the room that they leave goes to the long ones.
+    for done, dim in enumerate(sorted(dims, key=lambda dim: sizes[dim])):
+        fair = max(1, int(room ** (1 / (len(dims) - done)) + 1e-9))
+        lengths[dim] = -(-sizes[dim] // -(-sizes[dim] // fair))
+        room //= lengths[dim]
     return tuple(lengths[dim] for dim in dims)

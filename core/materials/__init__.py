@@ -1,7 +1,5 @@
 """Published friction, restitution and leaf springs: files of data, rows with sources."""
 
-from __future__ import annotations
-
 import functools
 import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence

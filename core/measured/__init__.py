@@ -1,7 +1,5 @@
 """Drives that have been measured: from the CSV of an accelerometer to the harmonics of a drive."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily

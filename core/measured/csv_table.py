@@ -4,8 +4,6 @@ What is wrong in a column is kept with it and told only if the column is used: a
 of remarks does not spoil its accelerations.
 """
 
-from __future__ import annotations
-
 import codecs
 import csv
 import re
@@ -22,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.study.units import UnitError, problem
 from vibrafeed.core.suggestions import suggestion
 
@@ -85,18 +83,14 @@ class RecordingTable:
         """
         column = self.columns.get(name)
         if column is None:
-            raise StudyError(
-                [
-                    Problem(
-                        path,
-                        f"the recording has no column '{name[:60]}'",
-                        suggestion(name, self.columns),
-                        name,
-                    )
-                ]
+            raise refused(
+                path,
+                f"the recording has no column '{name[:60]}'",
+                suggestion(name, self.columns),
+                name,
             )
         if column.contradiction:
-            raise StudyError([Problem(path, column.contradiction, ONE_MARK, name)])
+            raise refused(path, column.contradiction, ONE_MARK, name)
         problems = [
             Problem(
                 path,
@@ -115,8 +109,7 @@ class RecordingTable:
                     name,
                 )
             )
-        if problems:
-            raise StudyError(problems)
+        raise_any(problems)
         return column
 
 
@@ -132,11 +125,6 @@ def gathered(problems: list[Problem], path: str = "") -> Iterator[None]:
         problems.append(problem(path, error))
     except StudyError as error:
         problems += error.problems
-
-
-def refused(path: str, message: str, fix: str) -> StudyError:
-    """Return the error of a recording with one problem."""
-    return StudyError([Problem(path, message, fix)])
 
 
 _refused = partial(refused, "recording")
@@ -379,8 +367,7 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
                 "semicolons",
             )
         )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
 
 
 def _column(

@@ -1,7 +1,5 @@
 """The harmonics of a drive, fitted to measured accelerations, with their errors."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Least squares of harmonics with a drift, the frequency among the unknowns."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,10 +1,8 @@
 """The description of a recording by its user, and the track accelerations that it then holds."""
 
-from __future__ import annotations
-
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -14,13 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.csv_table import (
-    RecordingTable,
-    gathered,
-    read_table,
-    refused,
-)
+from vibrafeed.core.errors import Problem, raise_any, refused
+from vibrafeed.core.measured.csv_table import RecordingTable, gathered, read_table
 from vibrafeed.core.measured.times import read_times
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.quantities.quantity import angle
@@ -41,8 +34,8 @@ STEPS = 4.0  # steps of the sensor: crests whose heights differ by less may be e
 
 def clipping_problems(
     path: str, name: str, values: NDArray[np.float64], lines: NDArray[np.int64]
-) -> list[Problem]:
-    """Return a problem for each end of its range at which a channel of a recording is clipped.
+) -> Iterator[Problem]:
+    """Yield a problem for each end of its range at which a channel of a recording is clipped.
 
     `path` is the column's place in the study and `name` its name, `values` are its samples and
     `lines` their lines in the file.
@@ -54,8 +47,7 @@ def clipping_problems(
     period, where the rate is a multiple of the frequency: then the crests between them are alike.
     """
     if np.ptp(values) == 0.0:  # a channel that never moves has no range
-        return []
-    problems = []
+        return
     for word, toward in (("highest", values), ("lowest", -values)):
         extreme = toward.max()
         held = toward == extreme
@@ -66,15 +58,12 @@ def clipping_problems(
         runs = stops - starts >= RUN
         if runs.any() or _crests_differ(toward, held):
             first = lines[starts[runs][0] if runs.any() else starts[0]]
-            problems.append(
-                Problem(
-                    path,
-                    f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
-                    f"{values[starts[0]]:g}, first in line {first}",
-                    "Record again with a wider range of the sensor",
-                )
+            yield Problem(
+                path,
+                f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
+                f"{values[starts[0]]:g}, first in line {first}",
+                "Record again with a wider range of the sensor",
             )
-    return problems
 
 
 def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
@@ -139,8 +128,7 @@ def _rotation_of_angles(parts: list[object]) -> NDArray[np.float64]:
             angles.append(
                 read_number(name, quantity, raw.item() if isinstance(raw, np.generic) else raw)
             )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return Rotation.from_euler("ZYX", angles, degrees=True).as_matrix()
 
 
@@ -291,8 +279,7 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
                 f"Record at least {LEAST_SAMPLES} samples over ten periods or more",
             )
         )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     accelerations = np.array([values for values, _ in channels])
     resolution = np.array([step for _, step in channels])
     axes = tuple(path for path, _ in names)
@@ -364,8 +351,7 @@ def _channel(
     with gathered(problems):
         factor = _factor(path, name, headed, unit)
     problems += clipping_problems(path, name, column.values, table.lines)
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     gaps = np.diff(np.unique(column.values))
     step = float(gaps.min()) if gaps.size else 0.0
     return sign * factor * column.values, factor * step

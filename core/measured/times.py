@@ -1,14 +1,12 @@
 """The times of samples: a rate, or a column that ascends in steps of which most are equal."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import StudyError
-from vibrafeed.core.measured.csv_table import RecordingTable, refused
+from vibrafeed.core.errors import StudyError, refused
+from vibrafeed.core.measured.csv_table import RecordingTable
 from vibrafeed.core.quantities import Quantity
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
 

@@ -1,7 +1,5 @@
 """Checks of a recording before a drive is fitted: long and fast enough, periodic, steady."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from itertools import islice
@@ -9,8 +7,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError
-from vibrafeed.core.measured.csv_table import refused
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.measured.harmonics import (
     LEAST_PERIODS,
     MAX_LEFT,
@@ -110,8 +107,7 @@ def check_before(signal: Signal) -> None:
                     * bool(signal.assumed),
                 )
             )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
 
 
 def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
@@ -157,8 +153,7 @@ def check_fit(
         problems += gravity_problems(
             signal.axes, solution.drift[:, 0], float(periodic), signal.slopes
         )
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
 
 
 def _too_short(key: str, frequency: float, duration: float) -> Problem:
@@ -244,17 +239,15 @@ def _off(line: float | None, frequency: float) -> list[Problem]:
     if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
         return []
     ratio = max(frequency / line, line / frequency)
-    fix = (
-        "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
-        if abs(ratio - round(ratio)) < TWICE
-        else f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct the sampling rate (rate) "
-        "or line_frequency"
-    )
     return [
         Problem(
             "line_frequency",
             f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz",
-            fix,
+            "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
+            if abs(ratio - round(ratio)) < TWICE
+            else f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct the "
+            f"sampling rate (rate) "
+            "or line_frequency",
         )
     ]
 
@@ -282,8 +275,8 @@ def gravity_problems(
     constant: NDArray[np.float64],
     rms: float,
     slopes: Mapping[str, tuple[float, float]],
-) -> list[Problem]:
-    """Return the problem of a recording whose constants contradict gravity; empty without one.
+) -> Iterator[Problem]:
+    """Yield the problem of a recording whose constants contradict gravity, if they do.
 
     `constant` is the mean acceleration of each axis, shape (axes,), and `rms` that of the harmonics
     of all axes [m s-2]; `slopes` are the angles of the track that the study states [rad], by axis:
@@ -295,13 +288,11 @@ def gravity_problems(
         axis: (min(-STEEPEST, least - MARGIN), max(STEEPEST, most + MARGIN))
         for axis, (least, most) in stated.items()
     }
-    problems = []
     for axis, means, fix in islice(_against_gravity(shown, rms, limits), 1):
         others = ", ".join(f"{value:.2f} g {name}" for name, value in shown.items() if name != axis)
         beside = f" (and {others})" if others else ""
         size = f"the mean of the recording's {axis} channel is {shown[axis]:.3g} g{beside}"
-        problems.append(Problem(axis, f"{size}: {means}", fix))
-    return problems
+        yield Problem(axis, f"{size}: {means}", fix)
 
 
 def _without_gravity(

@@ -6,8 +6,6 @@ while it is in degrees, where that is exact, and the float that a multiple of 90
 counts as that multiple. Every other float has numpy's sine and cosine, to the bit.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -9,8 +9,6 @@ All functions take and return broadcastable float64 arrays, SI units, angles in 
 (`corner_direction`, `diagonal_direction`) hold the sine and cosine of an angle.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, ratio, sine
@@ -435,21 +433,6 @@ def least_limiting_pitch(*, inertia_ratio: Array, corner_angle: Array) -> Array:
 # --- conditions
 
 
-def another_corner_is_lower(*, pitch: Array) -> Mask:
-    """True where another corner would be in the plane: xi < 0 or xi > 90 degrees."""
-    return (pitch < 0) | (pitch > np.pi / 2)
-
-
 def is_case(known: float, *, contact_case: Array) -> Mask:
     """True where the contact is in a `known` case."""
     return contact_case == known
-
-
-def right_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:
-    """True where slip to the right has one solution at every friction."""
-    return inverse_limiting_friction <= 0
-
-
-def left_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:
-    """True where slip to the left has one solution at every friction."""
-    return inverse_limiting_friction >= 0

@@ -7,8 +7,6 @@ overlap, though not by how much at least. Only proven forms count. Where there i
 be nearest, with a proof of the same kind; where that fails too, rims have entered each other.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -3,8 +3,6 @@
 All functions take and return broadcastable float64 arrays, SI units, angles in radians.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -6,14 +6,12 @@ or bowl by itself. The relative stroke s runs along the line that the leaves gui
 from zero to peak. Arrays broadcast; SI units, angles in radians.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, sine
+from vibrafeed.core.mechanics.arrays import Array, cosine, hypot, sine
 
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N A-2, CODATA 2022
 FIRST_MODE = 22.373285448061052  # of a beam clamped at both ends: cos(x) cosh(x) = 1, squared
@@ -180,31 +178,6 @@ def second_harmonic(*, track_harmonic: tuple[Array, Array]) -> Array:
 
 
 # --- where values hold
-
-
-def is_at_resonance(*, natural_frequency: Array, frequency: Array, damping_ratio: Array) -> Mask:
-    """True where the drive is within the damping ratio of the natural frequency."""
-    return np.abs(natural_frequency / frequency - 1) < damping_ratio
-
-
-def is_tuned_stiff(*, natural_frequency: Array, frequency: Array) -> Mask:
-    """True where the unit is tuned above its drive."""
-    return natural_frequency > frequency
-
-
-def hits_magnet(*, air_gap_margin: Array) -> Mask:
-    """True where the stroke closes the air gap."""
-    return air_gap_margin <= 0
-
-
-def is_overstressed(*, stress_margin: Array) -> Mask:
-    """True where the leaves bend by more than they may."""
-    return stress_margin < 0
-
-
-def is_poorly_isolated(*, foot_frequency: Array, frequency: Array) -> Mask:
-    """True where the unit rocks on its feet at more than a third of the drive's frequency."""
-    return foot_frequency > frequency / 3
 
 
 # --- Bowl and base, leaves on a circle of radius r_s, tilted by th (theory 15.3).

@@ -4,8 +4,6 @@ Axes: x along the track in transport direction, z normal to the floor, y = z cro
 All functions take and return broadcastable float64 arrays, SI units, angles in radians.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, compensated_sum, cosine, hypot, ratio, sine

@@ -5,8 +5,6 @@ friction coefficient and the restitution. It knows no shape. The normal velocity
 where the bodies approach; elsewhere the impulse is 0. All arrays broadcast.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ What a row lacks of 1 falls back into the bowl and comes again, in any orientati
 tuples of rows of arrays that broadcast, 0.0 and 1.0 where nothing else can stand there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -286,11 +284,6 @@ def _wanted(shares: Sequence[Array], wanted_aspect: Array) -> Array:
     for place, share in enumerate(shares[1:], 2):
         wanted = np.where(wanted_aspect == place, share, wanted)
     return wanted
-
-
-def lets_none_pass(*, line: PassedShares) -> Mask:
-    """True where no part passes."""
-    return line.total <= 0
 
 
 # --- Shares by a drop test, and how well they are known: Dirichlet's distribution (theory 16.4).

@@ -1,7 +1,5 @@
 """The contact of two rectangles: separating axes, supporting corner, edge on edge (theory 5.1)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

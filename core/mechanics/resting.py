@@ -7,8 +7,6 @@ more of it. The truth lies between, by drop height and rebound: the distance of 
 error.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, sine
@@ -111,11 +109,6 @@ def side_foot(
 def is_side_unstable(*, side_foot: Array) -> Mask:
     """True where a part does not lie on its side, but rolls on over a rim."""
     return (side_foot <= 0) | (side_foot >= 1)
-
-
-def has_centre_outside(*, height: Array, mass_height: Array) -> Mask:
-    """True where the centre of mass is not between both ends."""
-    return mass_height >= height
 
 
 def end_share(centre: Array, radius: Array) -> Array:
@@ -403,11 +396,6 @@ def rocking_margin(
     begins to rock need not topple.
     """
     return np.minimum(friction_static, push_over_load) - rocking_friction
-
-
-def never_rocks(*, rocking_margin: Array) -> Mask:
-    """True where a part does not even begin to rock."""
-    return rocking_margin <= 0
 
 
 def may_topple(*, topple_margin: Array, amplitude: Array, standing_base: Array) -> Mask:

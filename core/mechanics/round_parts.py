@@ -5,8 +5,6 @@ a force of friction F with (1 + kap) F/m: it slips as a block does under (1 + ka
 friction. All functions take and return broadcastable float64 arrays, SI units, angles in radians.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics import rolling
@@ -269,11 +267,6 @@ def cone_friction(
 # through the centre, and its friction mu_w s acts there. Axes of the wrenches: n upwards, eta along
 # x, sigma across, off the wall. All functions take and return broadcastable float64 arrays, SI
 # units.
-
-
-def leaves_wall(*, wall_balance: Array) -> Mask:
-    """True where nothing presses the disc onto the wall: its load is below 0."""
-    return wall_balance < 0
 
 
 def net_push(*, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration: Array) -> Array:

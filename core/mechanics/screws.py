@@ -11,8 +11,6 @@ centre's velocity r phi' eta. SI units, angles in radians; wrenches are about th
 axes n, eta, sigma.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -249,11 +247,6 @@ def printed_reduction(*, wrench: Wrench) -> ScrewReduction:
     return replace(found, axis_point=-found.axis_point)
 
 
-def tips_along_axis(*, pressure_offset_axial: Array, length: Array) -> Mask:
-    """True where the floor's normal force would leave the cylinder: |e| > L/2, it tips."""
-    return np.abs(pressure_offset_axial) > length / 2
-
-
 def slips(
     *,
     rolling_drive: Array,
@@ -272,11 +265,6 @@ def slips(
         friction_static=friction_static,
         floor_acceleration=normal_acceleration,
     )
-
-
-def has_no_printed_yaw_rate(*, printed_yaw_rate: Array) -> Mask:
-    """True where (4.20) has no value: without spin, or too little for a float."""
-    return ~np.isfinite(printed_yaw_rate)
 
 
 def has_no_force_axis(*, force_reduction: ScrewReduction) -> Mask:

@@ -7,8 +7,6 @@ divided by either. What never happens takes an infinite time; regimes say so.
 All functions take and return broadcastable float64 arrays, SI units.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import (
@@ -334,19 +332,9 @@ def stops_before_distance(
     return (speed > 0) & (K < 0) & (carried <= gained)
 
 
-def stops_before_time(*, stopping_time: Array, time: Array) -> Mask:
-    """True where the part stops before, or at, the time."""
-    return stopping_time <= time
-
-
 def exceeds_track(velocity: str, **values: Array) -> Mask:
     """True where a velocity exceeds the largest speed of the track, which friction cannot do."""
     return values[velocity] > values["velocity_bound"]
-
-
-def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array) -> Mask:
-    """True where no terminal velocity exists: drive without friction."""
-    return (starting_acceleration > 0) & (friction_kinetic == 0)
 
 
 def is_endless(quantity: str, **values: Array) -> Mask:

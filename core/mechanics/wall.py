@@ -8,8 +8,6 @@ the friction cone. The other forms let the points of action be unknowns instead.
 All functions take and return broadcastable float64 arrays, SI units, angles in radians.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, compensated_sum, ratio
@@ -265,33 +263,6 @@ def is_held(
     """
     load = floor_acceleration + wall_acceleration
     return (speed == 0) & (np.abs(in_plane_drive_x) <= friction_static * load) & (load > 0)
-
-
-def has_left_wall(*, wall_balance: Array) -> Mask:
-    """True where the part has left the wall: B < 0."""
-    return wall_balance < 0
-
-
-def has_left_floor_and_wall(*, normal_acceleration: Array, wall_balance: Array) -> Mask:
-    """True where the part has left floor and wall."""
-    return (normal_acceleration <= 0) & (wall_balance < 0)
-
-
-def presses_wall(*, wall_balance: Array) -> Mask:
-    """True where the part presses on the wall, so that the forces of (3.15) leave the cone."""
-    return wall_balance > 0
-
-
-def topples_on_wall(*, width: Array, height: Array, friction_static: Array) -> Mask:
-    """True where (3.16) does not hold: 2b <= mu_s a."""
-    return 2 * height <= friction_static * width
-
-
-def rear_corner_lifts(
-    *, width: Array, length: Array, radius: Array, friction_kinetic: Array
-) -> Mask:
-    """True where not both corners touch the wall: h <= mu_k a, or h >= 2R."""
-    return (length <= friction_kinetic * width) | (length >= 2 * radius)
 
 
 def is_too_long(*, length: Array, radius: Array) -> Mask:

@@ -1,7 +1,5 @@
 """Motion in time: stick, slide, hop, and the true mean velocity over whole grids."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily
@@ -14,8 +12,8 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from vibrafeed.core.motion.method import Motion
     from vibrafeed.core.motion.prepare import Simulation
-    from vibrafeed.core.motion.result import Motion
     from vibrafeed.core.motion.simulate import KIND
     from vibrafeed.core.motion.systems import SYSTEMS
 else:

@@ -5,8 +5,6 @@ Equations then give radius, climb and friction at a share of the track's length,
 whole track from the motion at nodes along it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,9 +25,9 @@ from vibrafeed.core.mechanics.drive_unit import (
     total_length,
 )
 from vibrafeed.core.motion.feeding import parts_per_minute
-from vibrafeed.core.motion.result import where
+from vibrafeed.core.motion.method import where
 from vibrafeed.core.motion.scales import product
-from vibrafeed.core.plan.equations import run
+from vibrafeed.core.plan.plan import run
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drives import OF_STRETCHES
 from vibrafeed.core.scenes.scene import Equation, between, fields
@@ -115,11 +113,13 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
     count = max(n for which in own.values() for n in which)
     problems = [*_problems(own, count, parameters)]
     if not of_bowl:
-        message = "stretches belong to the track of a bowl on its drive unit"
-        fix = (
-            "Add the parameters of the bowl drive unit: spring_radius, moving_inertia, base_inertia"
+        alone = Problem(
+            f"parameters.{matches[0][0]}",
+            "stretches belong to the track of a bowl on its drive unit",
+            "Add the parameters of the bowl drive unit: spring_radius, moving_inertia, "
+            "base_inertia",
         )
-        problems.insert(0, Problem(f"parameters.{matches[0][0]}", message, fix))
+        problems.insert(0, alone)
     return (None if problems else Track(count, own)), problems
 
 
@@ -129,18 +129,24 @@ def _problems(
     for stem in ("stretch_turns", "stretch_radius"):
         for n in range(1, count + 1):
             if n not in own[stem]:
-                message = "it is missing; each stretch needs it"
-                yield Problem(f"parameters.{stem}_{n}", message, "Add it")
+                yield Problem(
+                    f"parameters.{stem}_{n}", "it is missing; each stretch needs it", "Add it"
+                )
     for stem in ("stretch_climb", "stretch_friction"):
         if own[stem] and 1 not in own[stem]:
-            message = "it is missing: the first stretch has none before it"
-            yield Problem(f"parameters.{stem}_1", message, "Add it")
+            yield Problem(
+                f"parameters.{stem}_1",
+                "it is missing: the first stretch has none before it",
+                "Add it",
+            )
     for stem, others in GIVES_WAY.items():
         for name in others:
             if own[stem] and name in names:
-                message = f"{name} follows from the stretches of the track ({stem}_{own[stem][0]})"
-                fix = f"Remove {name}, or all parameters {stem}_..."
-                yield Problem(f"parameters.{name}", message, fix)
+                yield Problem(
+                    f"parameters.{name}",
+                    f"{name} follows from the stretches of the track ({stem}_{own[stem][0]})",
+                    f"Remove {name}, or all parameters {stem}_...",
+                )
 
 
 def in_pieces(of_cells: Callable[..., Any], known: Mapping[str, Any], step: int) -> Any:
@@ -172,7 +178,7 @@ def load_radius(*, load_fraction: Array, stretches: Stretches) -> Array:
     return radius_at(load_fraction, stretches)
 
 
-def track_feed_rate(*, passage: Passage, length: Array, occupancy: Array) -> Array:
+def track_feed_rate(*, passage: "Passage", length: Array, occupancy: Array) -> Array:
     """Return the number of parts per minute at the bottleneck, 60 v occupancy/length [min-1]."""
     return parts_per_minute(velocity=passage.slowest, length=length / occupancy)
 

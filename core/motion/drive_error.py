@@ -1,18 +1,16 @@
 """The error of a part's velocity that follows from the errors of a measured drive."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, raise_any
 from vibrafeed.core.measured import Fit
 from vibrafeed.core.motion.prepare import Simulation, prepare
-from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import parameter_to_si
+from vibrafeed.core.plan.plan import run_equations
 from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 from vibrafeed.core.study.values import Fixed
 
@@ -74,7 +72,7 @@ def drive_error(
         if isinstance(value := values.get(name), Fixed)
         and abs(value.value - number) <= SAME * max(abs(number), 1e-30)
     ]
-    _check(prepared, names, draws)
+    raise_any(_problems(prepared, names, draws))
     drawn = fit.draw(rng or np.random.default_rng(0), draws)
     found = velocities(prepared, [{}, *({name: one[name] for name in names} for one in drawn)])
     sound = found[1:][np.isfinite(found[1:])]
@@ -97,17 +95,22 @@ def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> 
     return np.broadcast_to(run_equations(plan, given)[VELOCITY], len(changes))
 
 
-def _check(prepared: Simulation, names: Sequence[str], draws: int) -> None:
-    problems = []
+def _problems(prepared: Simulation, names: Sequence[str], draws: int) -> Iterator[Problem]:
     for axis in prepared.grid.axes:
-        message = f"{axis} has several values, but the error is computed for one cell"
-        problems.append(Problem(f"parameters.{axis}", message, "Give one value"))
+        yield Problem(
+            f"parameters.{axis}",
+            f"{axis} has several values, but the error is computed for one cell",
+            "Give one value",
+        )
     if not names:
-        message = "the study takes no number from the recording"
-        fix = "Remove the parameters of the drive, so that they come from the recording"
-        problems.append(Problem("drive", message, fix))
+        yield Problem(
+            "drive",
+            "the study takes no number from the recording",
+            "Remove the parameters of the drive, so that they come from the recording",
+        )
     if not LEAST_DRAWS <= draws <= MAX_DRAWS:
-        fix = f"Give {LEAST_DRAWS} to {MAX_DRAWS:,} draws"
-        problems.append(Problem("draws", f"draws is {draws:,}, which is outside the limits", fix))
-    if problems:
-        raise StudyError(problems)
+        yield Problem(
+            "draws",
+            f"draws is {draws:,}, which is outside the limits",
+            f"Give {LEAST_DRAWS} to {MAX_DRAWS:,} draws",
+        )

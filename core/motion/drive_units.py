@@ -4,9 +4,7 @@ Which unit a study means, its parameters tell, as they tell the kind of drive. T
 then stand before those of the part; what the parts do to the unit stands in `part_load`.
 """
 
-from __future__ import annotations
-
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,9 +13,8 @@ from vibrafeed.core.mechanics import drive_unit
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import bowl_track
 from vibrafeed.core.motion.drives import SINE, HalfWave, Shape, under_wave
-from vibrafeed.core.motion.groups import Contacts
+from vibrafeed.core.motion.method import Contacts, where
 from vibrafeed.core.motion.part_load import Load, part_load
-from vibrafeed.core.motion.result import where
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.quantities.drives import DRIVE, DRIVE_UNIT
 from vibrafeed.core.scenes import SCENES, Condition, Equation, Scene
@@ -80,23 +77,26 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
     return unit, [*problems, *problems_of_track]
 
 
-def _problems_of_parts(of_unit: list[str], turning: list[str]) -> list[Problem]:
-    problems = []
+def _problems_of_parts(of_unit: list[str], turning: list[str]) -> Iterator[Problem]:
     if turning:
-        message = "the effect of travelling parts on a unit that turns is not modelled"
-        fix = f"Give load_mass in its place, or leave out {', '.join(turning)}"
-        problems.append(Problem("parameters.conveyed_mass", message, fix))
-    if "force_harmonic" in of_unit:
-        message = "the effect of travelling parts is modelled only for a force of one harmonic"
-        fix = "Give load_mass in its place, or leave out force_harmonic"
-        problems.append(Problem("parameters.conveyed_mass", message, fix))
-    if "load_damping" in of_unit:
-        message = (
-            "load_damping follows from the motion of the parts, whose conveyed_mass the study gives"
+        yield Problem(
+            "parameters.conveyed_mass",
+            "the effect of travelling parts on a unit that turns is not modelled",
+            f"Give load_mass in its place, or leave out {', '.join(turning)}",
         )
-        fix = "Give either load_damping or conveyed_mass"
-        problems.append(Problem("parameters.load_damping", message, fix))
-    return problems
+    if "force_harmonic" in of_unit:
+        yield Problem(
+            "parameters.conveyed_mass",
+            "the effect of travelling parts is modelled only for a force of one harmonic",
+            "Give load_mass in its place, or leave out force_harmonic",
+        )
+    if "load_damping" in of_unit:
+        yield Problem(
+            "parameters.load_damping",
+            "load_damping follows from the motion of the parts, whose conveyed_mass the study "
+            "gives",
+            "Give either load_damping or conveyed_mass",
+        )
 
 
 # --- equations

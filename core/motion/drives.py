@@ -4,8 +4,6 @@ A study that gives numbers of no other drive has the plain sine of `amplitude`, 
 and its system carries nothing of what stands here.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -17,8 +15,7 @@ import numpy as np
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
 from vibrafeed.core.motion import waves
-from vibrafeed.core.motion.groups import Contacts, Groups, in_plane
-from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.method import STATUS, Contacts, Groups, Motion, in_plane
 from vibrafeed.core.quantities.drives import AXES, DRIVE, WHERE
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.scenes.scene import Equation, arguments_of
@@ -214,16 +211,23 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
     if not np.all(np.isnan(waves.size(wave))):
         return []
     if np.all(np.isnan(wave.steps[waves.ENDS])):
-        message = "all steps of the drive have a duration of 0"
-        fix = "Give at least one step of the drive a duration above 0"
-        return [Problem("parameters.duration_1", message, fix)]
+        return [
+            Problem(
+                "parameters.duration_1",
+                "all steps of the drive have a duration of 0",
+                "Give at least one step of the drive a duration above 0",
+            )
+        ]
     axis = next(axis for i, axis in enumerate(AXES) if np.all(np.isnan(wave.steps[i]).any(axis=0)))
-    message = f"the mean acceleration {axis} is not 0: the track would run away"
-    fix = (
-        "Leave one of its steps out, which then closes the wave, or change durations so that the "
-        "sum of acceleration times duration is 0"
-    )
-    return [Problem(f"parameters.acceleration_{axis}_1", message, fix)]
+    return [
+        Problem(
+            f"parameters.acceleration_{axis}_1",
+            f"the mean acceleration {axis} is not 0: the track would run away",
+            "Leave one of its steps out, which then closes the wave, or change "
+            "durations so that the "
+            "sum of acceleration times duration is 0",
+        )
+    ]
 
 
 def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
@@ -253,9 +257,13 @@ def _steps_of(steps: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
     count = max(int(m[2]) for m in steps)
     if levels and count > 1:
         return Steps(count, tuple(sorted(levels, key=_by_axis))), []
-    message = "a single step is not a complete drive" if levels else "steps need an acceleration"
-    fix = "Add, for example, acceleration_along_1, duration_1 and duration_2"
-    return None, [Problem(f"parameters.{steps[0][0]}", message, fix)]
+    return None, [
+        Problem(
+            f"parameters.{steps[0][0]}",
+            "a single step is not a complete drive" if levels else "steps need an acceleration",
+            "Add, for example, acceleration_along_1, duration_1 and duration_2",
+        )
+    ]
 
 
 _NO_SINE = {
@@ -269,8 +277,9 @@ _NO_SINE = {
 
 
 def _mixed(name: str, kind: str, other: str, fix: str) -> Problem:
-    message = f"{name} belongs to {kind}, but the study also gives {other}"
-    return Problem(f"parameters.{name}", message, fix)
+    return Problem(
+        f"parameters.{name}", f"{name} belongs to {kind}, but the study also gives {other}", fix
+    )
 
 
 def _by_axis(term: tuple[str, int]) -> tuple[int, int]:

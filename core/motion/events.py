@@ -12,8 +12,6 @@ they take half a minute: cells under a sine do not wait for what other waves nee
 repeat for those that do not. What a sine earns: see `kernels.planar`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -24,11 +22,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import kernel_calls
-from vibrafeed.core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
 from vibrafeed.core.motion.kernel_calls import run_cells
 from vibrafeed.core.motion.kernels.constants import RESULTS, UNREPEATED
-from vibrafeed.core.motion.method import Method, Path, Trajectory, TrajectoryRequest
-from vibrafeed.core.motion.result import STATUS, Energy, Motion, motion_of
+from vibrafeed.core.motion.method import (
+    STATUS,
+    Contacts,
+    Energy,
+    Groups,
+    Method,
+    Motion,
+    Path,
+    Trajectory,
+    TrajectoryRequest,
+    cells_of,
+    groups_of,
+    in_plane,
+    motion_of,
+)
 from vibrafeed.core.quantities import MOTION_MODES
 from vibrafeed.core.watch import Watch
 
@@ -293,11 +303,13 @@ def energy_by_events(
     some, (*columns, plane, repeats, wanders) = groups_of(rows, groups.wave is not None, 5)
     table = np.full((len(rows), len(Energy._fields)), np.nan)
     inputs = dict(zip(settings, columns, strict=True))
+    of_plane, of_space = kernel_calls.plane_cells, kernel_calls.track
     for part, kernel, piece, here in (
-        (some.flat(), _spend, 256, plane * repeats),
-        (some, _in_space(kernel_calls.track.spend_cells, contacts), 32, (1.0 - plane) * repeats),
-        (some.flat(), _average_spent, 4, plane * wanders * (1.0 - repeats)),
-    ):
+        (some.flat(), partial(_with_waves, of_plane.spend_cells), 256, plane * repeats),
+        (some, _in_space(of_space.spend_cells, contacts), 32, (1.0 - plane) * repeats),
+        (some.flat(), partial(_with_waves, of_plane.average_spent), 4,
+         plane * wanders * (1.0 - repeats)),
+    ):  # fmt: skip
         which = here > 0.0
         if which.any():
             cells, _ = cells_of(part, **inputs)
@@ -307,12 +319,8 @@ def energy_by_events(
     return Energy(*(np.ascontiguousarray(column).reshape(shape) for column in table.T))
 
 
-def _spend(groups: NDArray[np.float64], *found: Any) -> None:
-    kernel_calls.plane_cells.spend_cells(groups, waves_of(groups), *found)
-
-
-def _average_spent(groups: NDArray[np.float64], *found: Any) -> None:
-    kernel_calls.plane_cells.average_spent(groups, waves_of(groups), *found)
+def _with_waves(kernel: Callable[..., Any], groups: NDArray[np.float64], *found: Any) -> None:
+    kernel(groups, waves_of(groups), *found)
 
 
 def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:

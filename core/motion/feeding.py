@@ -1,17 +1,15 @@
 """Results for who feeds parts: parts a minute, and the direction in which they travel."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import percent
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import raise_any, refused
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.mechanics.travel import distance_bound
-from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion
+from vibrafeed.core.motion.method import ANSWERED, STATUS, Motion
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.quantities import DIRECTIONS, QUANTITIES
 from vibrafeed.core.scenes.scene import Equation
@@ -111,16 +109,18 @@ def _in_own_units(**values: Any) -> list[Any]:
             read.append(in_own_unit(name, QUANTITIES[_MEASURED.get(name, name)], value))
         except UnitError as error:
             problems.append(problem(name, error))
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return read
 
 
 def _spacing(length: Array, gap: Array | float) -> Array:
     spacing = length + gap
     if np.any(spacing <= 0.0):
-        message = "length plus gap, the track that one part takes, is not above 0"
-        raise StudyError([Problem("length", message, "Give length or gap above 0")])
+        raise refused(
+            "length",
+            "length plus gap, the track that one part takes, is not above 0",
+            "Give length or gap above 0",
+        )
     return spacing
 
 
@@ -185,7 +185,7 @@ RESULTS = (
 DEFAULTS = {"part_gap": 0.0}
 
 
-def travel_in_words(table: Table) -> str:
+def travel_in_words(table: "Table") -> str:
     """Return a sentence on how many cells of a result travel backwards; empty if none do.
 
     It goes by `direction` if the result has that, else by its mean velocity or its feed rate;
@@ -216,7 +216,7 @@ def travel_in_words(table: Table) -> str:
     return f"{which} backwards, against x."
 
 
-def _rolling_in_words(table: Table) -> str:
+def _rolling_in_words(table: "Table") -> str:
     # Of cells in which a round part is not conveyed: it runs down, or nothing moves it.
     down = np.abs(table.variables["mean_acceleration"].values)
     status = table.variables["motion_status"].values

@@ -4,8 +4,6 @@ It stands outside of `kernels`: what is compiled there is kept for as long as wh
 the same, and it imports none of this.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.deferred import lazily
-from vibrafeed.core.motion.result import COLUMNS, STATUS
+from vibrafeed.core.motion.method import COLUMNS, STATUS
 from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:

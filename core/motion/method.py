@@ -1,20 +1,327 @@
-"""The record of a method of motion: the one seam between following a part and all the rest."""
+"""The seam of motion: the groups that a method takes, the motion that it returns, its record.
 
-from __future__ import annotations
+The groups are dimensionless: lengths are in g/w^2, velocities in g/w and accelerations in g, where
+w is the circular frequency of the drive (theory 13.8). Equal groups move alike, whatever their
+size.
+"""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.groups import Contacts, Groups
-from vibrafeed.core.motion.waves import ALONG, NORMAL, position_at
+from vibrafeed.core.mechanics.arrays import Array, Mask
+from vibrafeed.core.motion.waves import ALONG, NORMAL, Wave, of_columns, position_at
+from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.scenes import Constraint
+from vibrafeed.core.scenes.scene import Condition
 from vibrafeed.core.watch import Watch
+
+
+class Motion(NamedTuple):
+    """Motion over a period of the drive once it repeats, in the scales of the drive.
+
+    All arrays have one shape, that of the arguments broadcast. Lengths are in g/w^2, velocities in
+    g/w, times in 1/w, where w is the circular frequency (theory 13.8).
+
+    Attributes
+    ----------
+    velocity : ndarray
+        Mean velocity along the track; NaN where there is none.
+    spread : ndarray
+        Standard deviation of the means of runs from several phases, or of batches of periods; 0
+        where the motion repeats.
+    error : ndarray
+        Estimate of the error of `velocity` by the method itself.
+    stick, forward, backward, flight : ndarray
+        Fractions of the period; they add up to 1.
+    impacts : ndarray
+        Impacts on the floor per period; a run of ever smaller hops counts as those resolved.
+    landing_speed : ndarray
+        Largest speed normal to the floor before an impact.
+    hop_height : ndarray
+        Largest distance from the floor.
+    multiple : ndarray
+        Periods of the drive after which the motion repeats; 0 where it does not.
+    across : ndarray
+        Mean velocity across the track, away from the wall; 0 where the part comes back to a wall,
+        and of one that rolls, which keeps the speed that it happens to have.
+    status : ndarray of int8
+        Value of a `MOTION_STATUSES` entry.
+    """
+
+    velocity: Array
+    spread: Array
+    error: Array
+    stick: Array
+    forward: Array
+    backward: Array
+    flight: Array
+    impacts: Array
+    landing_speed: Array
+    hop_height: Array
+    multiple: Array
+    across: Array
+    status: NDArray[np.int8]
+
+    def only(self, name: str) -> Mask:
+        """True where a part moves in one way all the time; every other way has share 0.
+
+        `name` is one of `SHARES`.
+        """
+        others = [getattr(self, other) for other in SHARES if other != name]
+        moves = np.asarray(getattr(self, name) > 0)
+        return np.logical_and.reduce([moves, *(other == 0 for other in others)])
+
+
+class Energy(NamedTuple):
+    """Means over the cycle of a motion that repeats, per mass, in g^2/w; NaN of any other motion.
+
+    All arrays have the shape of the arguments broadcast.
+
+    Attributes
+    ----------
+    friction : ndarray
+        What friction takes while contacts slip.
+    impact : ndarray
+        What impacts take, the friction in them included.
+    drive : ndarray
+        The work of the track: friction, impacts, and what lifts the part.
+    swing : ndarray
+        Mean of u.b', u the velocity relative to the track, b' the derivative of the push by the
+        phase: what of the part swings with the track. NaN under a drive that is no plain sine.
+    """
+
+    friction: Array
+    impact: Array
+    drive: Array
+    swing: Array
+
+
+STATUS: Mapping[str, int] = {name: flag.value for name, flag in MOTION_STATUSES.items()}
+
+ANSWERED = ("periodic", "at_rest", "aperiodic", "sensitive", "neutral")
+"""Statuses of cells that have a mean velocity."""
+
+SHARES = ("stick", "forward", "backward", "flight")
+"""The modes of motion; each has a share of the period, exactly 0 where it never came."""
+
+COLUMNS = len(Motion._fields) - 1
+"""Columns of a kernel's table, one a field of `Motion` in its order, without the status."""
+
+
+def motion_of(
+    table: NDArray[np.float64], status: NDArray[np.int8], shape: tuple[int, ...]
+) -> Motion:
+    """Return a kernel's result table as a `Motion` of arrays of a shape.
+
+    `table` has a row a cell and a column a field, `status` one value a cell.
+    """
+    columns = [np.ascontiguousarray(column).reshape(shape) for column in table.T]
+    return checked(Motion._make([*columns, status.reshape(shape)]))
+
+
+def checked(motion: Motion) -> Motion:
+    """Return the motion with NaN wherever the status says that there is no result.
+
+    A cell with a value that is not finite, or that was in the air all along without landing, gets
+    the status `limit_reached`. With this status all values are NaN, since a method may have got
+    some way.
+    """
+    answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
+    finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])
+    on_floor = motion.stick + motion.forward + motion.backward
+    never_landed = (motion.flight > 0) & (motion.impacts == 0) & (on_floor == 0)
+    lost = answered & (~finite | never_landed)
+    status = np.where(lost, np.int8(STATUS["limit_reached"]), motion.status)
+    none = status == STATUS["limit_reached"]
+    fields = [np.where(none, np.nan, field) for field in motion[:-1]]
+    return with_whole_shares(Motion._make([*fields, status]))
+
+
+def with_whole_shares(motion: Motion) -> Motion:
+    """Return the motion with a share of exactly 1 where a part moves in one way only.
+
+    The stretches of a period add up to the whole of it but for rounding, and rounding differs from
+    one processor to the next.
+    """
+    whole = {name: np.where(motion.only(name), 1.0, getattr(motion, name)) for name in SHARES}
+    return motion._replace(**whole)
+
+
+def where(
+    regime: str,
+    says: str,
+    holds: Callable[..., Mask],
+    outputs: Collection[str],
+    otherwise: str = "",
+) -> Condition:
+    """Return the condition of a regime; `says` is as one says after "True where"."""
+    holds.__doc__ = f"True where {says}."
+    return Condition(regime, holds, frozenset(outputs), otherwise)
+
+
+def with_status(
+    regime: str, names: tuple[str, ...], outputs: Collection[str], otherwise: str = ""
+) -> Condition:
+    """Return the condition of a regime in which the motion has one of some statuses."""
+    values = [STATUS[name] for name in names]
+    says = f"the status is {' or '.join(names)}"
+    return where(regime, says, lambda *, motion: np.isin(motion.status, values), outputs, otherwise)
+
+
+Numbers: TypeAlias = Any
+"""An array of many parts, or the plain number of one."""
+
+
+class Groups(NamedTuple):
+    """The numbers that the motion of a part depends on; fields broadcast.
+
+    What a scene has not is left at 0, which costs no array.
+
+    Attributes
+    ----------
+    drive_number_along, drive_number_across, drive_number_normal : array_like
+        Components of the drive's acceleration over g: A0 w^2/g times (cos(beta) cos(alpha),
+        cos(beta) sin(alpha), sin(beta)).
+    gravity_number_along, gravity_number_across, gravity_number_normal : array_like
+        sin(gamma), cos(gamma) sin(delta), cos(gamma) cos(delta); the last with all that presses the
+        part onto the floor at all times, as a magnet does.
+    curvature_number : array_like
+        g/(w^2 R); 0 for a straight track.
+    friction_static, friction_kinetic : array_like
+        Coefficients at the floor.
+    wall_friction : array_like
+        Coefficient at the wall.
+    restitution, wall_restitution : array_like
+        Of impacts on the floor and on the wall, 0 to 1.
+    impact_damping : array_like
+        Of a floor whose restitution falls with the speed of impact, by Hunt and Crossley's law, per
+        g/w; `restitution` then plays no part.
+    wave : Wave or None
+        The drive where it is no plain sine; the drive numbers are then what its push does not
+        exceed.
+    """
+
+    drive_number_along: Numbers
+    drive_number_normal: Numbers
+    gravity_number_along: Numbers
+    gravity_number_normal: Numbers
+    friction_static: Numbers
+    friction_kinetic: Numbers
+    restitution: Numbers = 0.0
+    drive_number_across: Numbers = 0.0
+    gravity_number_across: Numbers = 0.0
+    curvature_number: Numbers = 0.0
+    wall_friction: Numbers = 0.0
+    wall_restitution: Numbers = 0.0
+    impact_damping: Numbers = 0.0
+    wave: Wave | None = None
+
+    @property
+    def numbers(self) -> tuple[Numbers, ...]:
+        """All fields except the wave."""
+        return self[:-1]
+
+    @property
+    def drive(self) -> tuple[Numbers, Numbers, Numbers]:
+        """The drive numbers along, across and normal."""
+        return self.drive_number_along, self.drive_number_across, self.drive_number_normal
+
+    def flat(self) -> "Groups":
+        """Return the groups with the numbers set to 0 that planar motion does not use."""
+        nothing: dict[str, Any] = dict.fromkeys(ACROSS, 0.0)
+        return self._replace(**nothing)
+
+    def single(self) -> "Groups":
+        """Return the groups of one part as plain numbers; raise if there are several cells."""
+        (part,), _ = each(self)
+        return part
+
+
+ACROSS = (
+    "drive_number_across", "gravity_number_across", "curvature_number", "wall_friction",
+    "wall_restitution",
+)  # fmt: skip
+"""Fields that play no part where nothing pushes the part across the track."""
+
+
+class Contacts(NamedTuple):
+    """The surfaces that a part can touch, and how: no number of a cell but what a system is.
+
+    A wall beside the floor, or none; rolling m r^2/I for a cylinder whose axis lies along the
+    track, 0 for a block.
+    """
+
+    wall: bool = False
+    rolling: float = 0.0
+
+
+BLOCK_ON_FLOOR = Contacts()
+SOLID_CYLINDER = 2.0  # m r^2/I of a solid cylinder about its axis
+
+
+def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
+    """Return a mask of the cells whose motion stays in the vertical plane along the track.
+
+    Nothing pushes such a part across: no drive, no lean and, with a wall, no curve.
+    """
+    pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
+        groups.gravity_number_across, 0.0
+    )
+    if contacts.wall:
+        pushed = pushed | np.not_equal(groups.curvature_number, 0.0)
+    return np.asarray(~pushed)
+
+
+def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """Return the columns broadcast to one row per cell, and the shape of the cells."""
+    arrays = np.broadcast_arrays(*(np.asarray(column, dtype=np.float64) for column in columns))
+    return np.stack([array.ravel() for array in arrays], axis=-1), arrays[0].shape
+
+
+def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """Return the input of kernels, a row of numbers for each cell, and the shape of the cells.
+
+    The columns are the `groups`, the `settings` of a method, as in `kernels.cells.Cell`, and those
+    of the wave, if there is one; all are broadcast.
+    """
+    columns, wave = (*groups.numbers, *settings.values()), groups.wave
+    if wave is None:
+        return table(columns)
+    rows, shape = table((*columns, np.zeros(wave.cells)))
+    return np.concatenate([rows[:, :-1], wave.columns(shape)], axis=1), shape
+
+
+def groups_of(
+    rows: NDArray[np.float64], waved: bool, more: int = 0
+) -> tuple[Groups, NDArray[np.float64]]:
+    """Return the groups of cells, and `more` settings, an array each; inverse of `cells_of`."""
+    numbers = len(Groups._fields) - 1
+    columns = rows.T
+    wave = of_columns(rows[:, numbers + more :]) if waved else None
+    return Groups._make((*columns[:numbers], wave)), columns[numbers : numbers + more]
+
+
+def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
+    """Return an iterator over the groups of each cell as plain numbers, and the cells' shape."""
+    rows, shape = cells_of(groups)
+    whole, _ = groups_of(rows, groups.wave is not None)
+
+    def of(cell: int) -> Groups:
+        own = None if whole.wave is None else Wave(*(part[..., cell] for part in whole.wave))
+        return Groups._make((*(float(number[cell]) for number in whole.numbers), own))
+
+    return map(of, range(len(rows))), shape
+
+
+def of_quantities(*, load_number: Array, **numbers: Any) -> Groups:
+    """Return the groups from quantities of their names; `load_number` is gravity onto the floor."""
+    return Groups(gravity_number_normal=load_number, **numbers)
+
 
 TIME = "cycle_time"
 """The axis of a trajectory."""

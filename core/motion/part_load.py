@@ -6,8 +6,6 @@ brackets every agreement; each is then found to rounding, or, where the parts' m
 repeat, in a straight line between two of the table, whose means scatter by some per cent.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import ModuleType
@@ -19,8 +17,8 @@ from numpy.typing import NDArray
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.bowl_track import Track, in_pieces
 from vibrafeed.core.motion.events import EVENTS, energy_by_events, motion_by_events
-from vibrafeed.core.motion.groups import Contacts, Groups
-from vibrafeed.core.plan.equations import run
+from vibrafeed.core.motion.method import Contacts, Groups
+from vibrafeed.core.plan.plan import run
 from vibrafeed.core.scenes.scene import Equation, between
 
 SETTINGS: dict[str, Any] = dict(EVENTS.defaults)
@@ -133,7 +131,7 @@ def part_load(
     of_part: Collection[Equation],
     contacts: Contacts,
     track: Track | None,
-) -> PartLoad:
+) -> "PartLoad":
     """Return the load of conveyed parts on their drive unit, at the amplitude at which both agree.
 
     The equations lead from a load to amplitude and angle of the track, and from these to the groups

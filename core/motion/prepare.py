@@ -1,18 +1,15 @@
 """From a study of motion to what can be carried out: system, method, plan, grid."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable
 from dataclasses import replace
 from functools import cached_property
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.motion import rolling_scene, row_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
-from vibrafeed.core.motion.groups import Contacts
-from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.method import Contacts, Method
 from vibrafeed.core.motion.systems import (
     CONTACTS,
     FALLING,
@@ -23,8 +20,7 @@ from vibrafeed.core.motion.systems import (
 from vibrafeed.core.plan.differences import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
-from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
-from vibrafeed.core.plan.price import Price
+from vibrafeed.core.plan.prepared import Chosen, Prepared, Price, broken_constraints, plan_study
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, SimulateStudy
@@ -47,8 +43,11 @@ class Simulation(Prepared):
                 "trajectory", "it is computed as a whole, not where read", "Leave it out"
             )
         if self.study.sensitivities:
-            message = "derivatives are computed as a whole, not where read"
-            return Problem("sensitivities", message, "Leave it out")
+            return Problem(
+                "sensitivities",
+                "derivatives are computed as a whole, not where read",
+                "Leave it out",
+            )
         return None
 
     @property
@@ -132,8 +131,9 @@ def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> It
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():
         if name not in needed:
-            message = f"the method {method} does not use it"
-            yield Problem(name, message, fix_for_unused_setting(scene, name))
+            yield Problem(
+                name, f"the method {method} does not use it", fix_for_unused_setting(scene, name)
+            )
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -144,8 +144,11 @@ def prepare(study: SimulateStudy) -> Simulation:
     chosen = choose_system(study.scene, study.method, study.values())
     scene, method, _ = chosen
     if study.drive is not None and scene.name not in CONTACTS:
-        message = f"{scene.name} takes only a sine drive, not a section drive"
-        raise StudyError([Problem("drive", message, f"Choose among {', '.join(CONTACTS)}")])
+        raise refused(
+            "drive",
+            f"{scene.name} takes only a sine drive, not a section drive",
+            f"Choose among {', '.join(CONTACTS)}",
+        )
     settings = study.settings()
     never_left_out = ("motion_status", "mean_acceleration") if study.reduce is None else ()
     more = [name for name in never_left_out if name in scene.outputs(method)]
@@ -166,15 +169,15 @@ def prepare(study: SimulateStudy) -> Simulation:
         problems += what_is_open(shape, grid.si())
     problems += _shows_too_much(study, grid)
     problems += problems_of(study.reduce, plan, grid) if study.reduce is not None else []
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     plan = replace(plan, defaults={**plan.defaults, **settings})
     prepared = Simulation(study, plan, grid)
     if prepared.derived is not None and "period_multiple" not in scene.outputs(method):
         message = f"the motion of {scene.name} is followed for a time, not a cycle"
         cyclic = (*CONTACTS, *rolling_scene.SCENES, row_scene.ROW)
-        fix = f"Leave it out, or choose among {', '.join(cyclic)}"
-        raise StudyError([Problem("sensitivities", message, fix)])
+        raise refused(
+            "sensitivities", message, f"Leave it out, or choose among {', '.join(cyclic)}"
+        )
     return prepared.check_verification()
 
 
@@ -184,36 +187,37 @@ def fix_for_unused_setting(scene: Scene, setting: str) -> str:
     return f"Remove it, or set method to {' or '.join(users)}" if users else "Remove it"
 
 
-def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
+def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
     if study.trajectory is None:
-        return []
+        return
     axes = [name for name, values in study.values().items() if not isinstance(values, Fixed)]
-    problems = []
     if axes:
         ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
-        message = f"trajectory shows one point, but {ranged} has a range of values"
-        fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
-        problems.append(Problem("trajectory", message, fix))
+        yield Problem(
+            "trajectory",
+            f"trajectory shows one point, but {ranged} has a range of values",
+            f"Give one value of {', '.join(axes)}, or leave trajectory out",
+        )
     methods = methods_of(scene.name)
     followed = [name for name in scene.variants if methods[name].course is not None]
     if method not in followed:
-        fix = f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out"
-        message = f"the method {method} of {scene.name} gives means only"
-        problems.append(Problem("trajectory", message, fix))
-    return problems
+        yield Problem(
+            "trajectory",
+            f"the method {method} of {scene.name} gives means only",
+            f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out",
+        )
 
 
-def _problems_of_reduction(study: SimulateStudy) -> list[Problem]:
+def _problems_of_reduction(study: SimulateStudy) -> Iterable[Problem]:
     if study.reduce is None:
-        return []
-    problems = problems_of_names(study.reduce, study.outputs, study.values())
+        return
+    yield from problems_of_names(study.reduce, study.outputs, study.values())
     for key, message in (
         ("sensitivities", "derivatives are given with all cells; the study has reduce too"),
         ("trajectory", "it shows one point; the study has reduce too"),
     ):
         if getattr(study, key):
-            problems.append(Problem(key, message, f"Remove either {key} or reduce"))
-    return problems
+            yield Problem(key, message, f"Remove either {key} or reduce")
 
 
 def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:
@@ -221,5 +225,8 @@ def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:
     shown = last * grid.fixed.get("frequency", 0.0)
     if shown > MAX_PERIODS:
         latest = MAX_PERIODS / grid.fixed["frequency"]
-        message = f"its latest time is {shown:,.0f} periods of the drive from the first"
-        yield Problem("trajectory", message, f"End it by {latest:.3g} s, {MAX_PERIODS:,} periods")
+        yield Problem(
+            "trajectory",
+            f"its latest time is {shown:,.0f} periods of the drive from the first",
+            f"End it by {latest:.3g} s, {MAX_PERIODS:,} periods",
+        )

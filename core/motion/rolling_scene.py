@@ -5,8 +5,6 @@ rolling resistance, kap/(1 + kap) times as fast; where it cannot roll all the ti
 resists its rolling, the mean is known without following it, or is none. Its slip is a block, too.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -19,11 +17,19 @@ from vibrafeed.core.mechanics.rolling import RollingContact
 from vibrafeed.core.motion import feeding, scales
 from vibrafeed.core.motion.drives import limits
 from vibrafeed.core.motion.events import EVENTS, follow, planar_motion
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Groups, cells_of
 from vibrafeed.core.motion.kernels.constants import PIECE
-from vibrafeed.core.motion.method import Method
+from vibrafeed.core.motion.method import (
+    ANSWERED,
+    BLOCK_ON_FLOOR,
+    STATUS,
+    Groups,
+    Method,
+    Motion,
+    cells_of,
+    where,
+    with_status,
+)
 from vibrafeed.core.motion.reference import REFERENCE
-from vibrafeed.core.motion.result import ANSWERED, STATUS, Motion, where, with_status
 from vibrafeed.core.quantities import MOTION_MODES
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,

@@ -1,9 +1,7 @@
 """The system of a row of parts; the names of a study say which of them have their own numbers."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -15,8 +13,7 @@ from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
 from vibrafeed.core.motion import scales
 from vibrafeed.core.motion.drives import limits
 from vibrafeed.core.motion.feeding import DEFAULTS, occupancy, parts_per_minute
-from vibrafeed.core.motion.groups import of_quantities
-from vibrafeed.core.motion.result import STATUS, where
+from vibrafeed.core.motion.method import STATUS, of_quantities, where
 from vibrafeed.core.motion.rows import EVENTS, RowMotion, RowParts
 from vibrafeed.core.quantities.row import MAX_NUMBERED, NUMBERS
 from vibrafeed.core.scenes.scene import (
@@ -82,9 +79,6 @@ def _has(motion: RowMotion, *names: str) -> Mask:
 
 STOP_GAPS = {"track_stop_gap": "track", "fixed_stop_gap": "space"}
 """Parameters that put a stop in front of a row, and which; at most one of them is given."""
-
-CHOOSING = ("friction_spread", "friction_seed", *STOP_GAPS)
-"""Parameters without a number that a row has only where a study gives them."""
 
 MAX_DEVIATIONS = 3.0
 """Standard deviations at which sampled frictions are cut off."""
@@ -184,30 +178,32 @@ def numbered(names: tuple[str, ...]) -> NumberedParts:
     return NumberedParts(numbers, behind, "parts" in names, stop, "friction_spread" in names)
 
 
-def problems_of_row(names: tuple[str, ...]) -> list[Problem]:
-    """Return the problems of a row's parameters that exclude each other."""
-    problems = []
+def problems_of_row(names: tuple[str, ...]) -> Iterator[Problem]:
+    """Yield the problems of a row's parameters that exclude each other."""
     if all(name in names for name in STOP_GAPS):
-        message = "a row has one stop, and the study gives two"
-        problems.append(Problem("parameters.track_stop_gap", message, "Remove one of them"))
+        yield Problem(
+            "parameters.track_stop_gap",
+            "a row has one stop, and the study gives two",
+            "Remove one of them",
+        )
     own = [name for name in names if name.startswith("part_friction_")]
     if "friction_spread" in names and own:
-        message = f"the frictions are drawn, and {own[0]} is given"
-        fix = "Give either friction_spread or the frictions of single parts"
-        problems.append(Problem("parameters.friction_spread", message, fix))
-    return problems
+        yield Problem(
+            "parameters.friction_spread",
+            f"the frictions are drawn, and {own[0]} is given",
+            "Give either friction_spread or the frictions of single parts",
+        )
 
 
-def problems_of_load(names: tuple[str, ...]) -> list[Problem]:
-    """Return the problem of a row whose load on its drive unit is not modelled, if it is not."""
+def problems_of_load(names: tuple[str, ...]) -> Iterator[Problem]:
+    """Yield the problem of a row whose load on its drive unit is not modelled, if it is not."""
     parts = numbered(names)
-    if not (parts.drawn or parts.stop_gap or parts.numbers["part_friction"]):
-        return []
-    message = (
-        "the effect of a row on its drive unit is modelled only for free parts of one friction"
-    )
-    fix = "Give load_mass in its place, or one friction and no stop"
-    return [Problem("parameters.conveyed_mass", message, fix)]
+    if parts.drawn or parts.stop_gap or parts.numbers["part_friction"]:
+        yield Problem(
+            "parameters.conveyed_mass",
+            "the effect of a row on its drive unit is modelled only for free parts of one friction",
+            "Give load_mass in its place, or one friction and no stop",
+        )
 
 
 def _platoon_size(number: int, *, motion: RowMotion) -> Array:

@@ -5,8 +5,6 @@ only and the normal motion does not know of the row: all parts hop and land toge
 parts have one friction moves as one part does, and is followed as one, to the bit.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,10 +12,19 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import events, kernel_calls
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
 from vibrafeed.core.motion.kernel_calls import run_cells
-from vibrafeed.core.motion.method import TIME, Method, Trajectory, TrajectoryRequest
-from vibrafeed.core.motion.result import ANSWERED, STATUS
+from vibrafeed.core.motion.method import (
+    ANSWERED,
+    BLOCK_ON_FLOOR,
+    STATUS,
+    TIME,
+    Contacts,
+    Groups,
+    Method,
+    Trajectory,
+    TrajectoryRequest,
+    table,
+)
 from vibrafeed.core.motion.waves import NORMAL, of_columns
 from vibrafeed.core.quantities.row import MAX_NUMBERED
 from vibrafeed.core.watch import Watch

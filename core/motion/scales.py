@@ -4,8 +4,6 @@ With length g/w^2 and velocity g/w only the drive's share of gravity, angles, fr
 and the curvature are left. All functions take and return broadcastable float64 arrays.
 """
 
-from __future__ import annotations
-
 from functools import partial, reduce
 from operator import mul
 from typing import Any
@@ -15,7 +13,7 @@ import numpy as np
 from vibrafeed.core.mechanics import floor
 from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
 from vibrafeed.core.mechanics.floor import throw
-from vibrafeed.core.motion.result import Energy, Motion, where
+from vibrafeed.core.motion.method import Energy, Motion, where
 from vibrafeed.core.scenes.scene import Constraint, Equation
 
 

@@ -5,8 +5,6 @@ calls a variant is a method here: every method of `METHODS` that follows the con
 one of its variants. Nothing that computes is loaded before it is called.
 """
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
@@ -21,7 +19,6 @@ from vibrafeed.core.motion import (
     drives,
     events,
     feeding,
-    groups,
     reference,
     rolling_scene,
     row_scene,
@@ -29,8 +26,15 @@ from vibrafeed.core.motion import (
     scales,
     tumbling_scene,
 )
-from vibrafeed.core.motion.method import Method
-from vibrafeed.core.motion.result import where, with_status
+from vibrafeed.core.motion.method import (
+    SOLID_CYLINDER,
+    Contacts,
+    Groups,
+    Method,
+    of_quantities,
+    where,
+    with_status,
+)
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -168,7 +172,7 @@ _ON_TRACK = (
 ON_FLOOR = (
     *SPATIAL_SCALES,
     Equation(
-        "groups", groups.of_quantities, "theory 13.1", needs=_ON_FLOOR,
+        "groups", of_quantities, "theory 13.1", needs=_ON_FLOOR,
         says="Return the dimensionless groups of a part that moves in space on a floor without "
         "wall.",
     ),
@@ -176,7 +180,7 @@ ON_FLOOR = (
 ON_TRACK = (
     *TRACK_SCALES,
     Equation(
-        "groups", groups.of_quantities, "theory 13.1", needs=_ON_TRACK,
+        "groups", of_quantities, "theory 13.1", needs=_ON_TRACK,
         says="Return the dimensionless groups of a part on floor and wall, as one record for the "
         "kernels.",
     ),
@@ -302,20 +306,18 @@ def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scen
     )
 
 
-def _falling_groups(
-    *, impact_damping: Array, velocity_scale: Array, **numbers: Array
-) -> groups.Groups:
+def _falling_groups(*, impact_damping: Array, velocity_scale: Array, **numbers: Array) -> Groups:
     damping = impact_damping * velocity_scale
     endless = np.isinf(damping)
-    return groups.of_quantities(**numbers)._replace(
+    return of_quantities(**numbers)._replace(
         restitution=np.where(endless, 0.0, 1.0), impact_damping=np.where(endless, 0.0, damping)
     )
 
 
-CONTACTS: dict[str, groups.Contacts] = {
-    "rectangle-on-plane": groups.Contacts(),
-    "cylinder-on-plane": groups.Contacts(rolling=groups.SOLID_CYLINDER),
-    "rectangle-on-track": groups.Contacts(wall=True),
+CONTACTS: dict[str, Contacts] = {
+    "rectangle-on-plane": Contacts(),
+    "cylinder-on-plane": Contacts(rolling=SOLID_CYLINDER),
+    "rectangle-on-track": Contacts(wall=True),
 }
 """What the parts that are conveyed can touch, by the name of their scene."""
 

@@ -15,8 +15,6 @@ takes seconds, not periods. Its own scale is the time sqrt(half diagonal/gravity
 the step and of the tolerances.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -25,10 +23,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, sine
 from vibrafeed.core.motion import kernel_calls
-from vibrafeed.core.motion.groups import Contacts, table
 from vibrafeed.core.motion.kernel_calls import run_cells
-from vibrafeed.core.motion.method import TIME, Method, Trajectory, TrajectoryRequest
-from vibrafeed.core.motion.result import STATUS, where
+from vibrafeed.core.motion.method import (
+    STATUS,
+    TIME,
+    Contacts,
+    Method,
+    Trajectory,
+    TrajectoryRequest,
+    table,
+    where,
+)
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.scenes import isolated
 from vibrafeed.core.scenes.scene import (

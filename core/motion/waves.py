@@ -8,8 +8,6 @@ where the level is constant from step to step. In the scales of the motion (g/w,
 then has the velocity and the displacement whose second derivative is minus that, both without mean.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 

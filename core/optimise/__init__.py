@@ -1,7 +1,5 @@
 """The best values of some parameters: closed forms, a search of all designs, and scipy's."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily

@@ -8,8 +8,6 @@ sin(delta). Inside, everything is divided by the drive acceleration P: k = c/P, 
 Block (theory 12.2) and cylinder (theory 7.3, 12.2) share `fastest_slide`.
 """
 
-from __future__ import annotations
-
 import inspect
 import math
 from collections.abc import Callable, Mapping

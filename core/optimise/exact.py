@@ -5,8 +5,6 @@ is the highest point of a piece of the unit sphere that planes cut out, so that 
 limit problem has a closed form. Those under the friction disc are in `best_angles`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial

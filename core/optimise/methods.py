@@ -1,7 +1,5 @@
 """The optimisers, by name, and that of scipy: one design after the other, loaded when it runs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

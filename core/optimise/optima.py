@@ -1,7 +1,5 @@
 """Carrying out an optimisation: solve every design, check the answers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
@@ -12,8 +10,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.systems import SYSTEMS
-from vibrafeed.core.optimise.check import gap_of, label
-from vibrafeed.core.optimise.front import distinct_points, find_front, knee
+from vibrafeed.core.optimise.check import distinct_points, find_front, gap_of, knee, label
 from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.optimisation import Optimisation
 from vibrafeed.core.optimise.prepare import choose_problem_scene, prepare
@@ -26,12 +23,10 @@ from vibrafeed.core.optimise.problem import (
     cells_of,
     chosen_cells,
 )
-from vibrafeed.core.optimise.search import spread
 from vibrafeed.core.optimise.uncertain import OBJECTIVE, Afresh, judged_afresh
 from vibrafeed.core.plan.differences import STEPS, derivatives, scale_of
-from vibrafeed.core.plan.grid import Grid, from_si
-from vibrafeed.core.plan.kind import Kind
-from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.grid import Grid, from_si, spread
+from vibrafeed.core.plan.pieces import Computed, Kind
 from vibrafeed.core.plan.plan import plan_scene
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES

@@ -1,7 +1,5 @@
 """An optimisation that can be carried out."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,8 +16,7 @@ from vibrafeed.core.optimise.search import expected_points
 from vibrafeed.core.optimise.uncertain import NODES
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.labels import link_to_verdict
-from vibrafeed.core.plan.prepared import Box, Prepared
-from vibrafeed.core.plan.price import MARGIN, Price, price
+from vibrafeed.core.plan.prepared import MARGIN, Box, Prepared, Price, price
 from vibrafeed.core.plan.statistics import INTERVAL
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, Flag
 from vibrafeed.core.quantities.quantity import in_sentence
@@ -54,7 +51,7 @@ class Optimisation(Prepared):
     problem: OptimisationProblem
     method: str
 
-    def with_nodes(self, values: Mapping[str, Array]) -> Optimisation:
+    def with_nodes(self, values: Mapping[str, Array]) -> "Optimisation":
         """Return the study with further nodes of the uncertain parameters, SI units."""
         uncertain = self.problem.uncertain
         assert uncertain is not None
@@ -137,7 +134,7 @@ class Optimisation(Prepared):
         """The axes along which the study can be cut into pieces; a front stays whole."""
         return tuple(self.designs.axes)
 
-    def within(self, box: Box) -> Optimisation:
+    def within(self, box: Box) -> "Optimisation":
         """Return the study restricted to a part of its designs."""
         return replace(self, grid=self.grid.within(box), designs=self.designs.within(box))
 

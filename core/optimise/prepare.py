@@ -1,14 +1,12 @@
 """From a study of optimisation to what can be carried out: scene, variables, problem, method."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
 from vibrafeed.core.optimise.exact import is_closed
@@ -92,8 +90,7 @@ def _problems_of_method(name: str | None) -> Iterable[Problem]:
 def _method(study: OptimiseStudy, problem: OptimisationProblem) -> str:
     method = study.method or ("exact" if is_closed(problem) else "search")
     if method == "exact" and not is_closed(problem):
-        message = "there is no closed form of this problem"
-        raise StudyError([Problem("method", message, "Leave method out")])
+        raise refused("method", "there is no closed form of this problem", "Leave method out")
     return method
 
 
@@ -104,9 +101,7 @@ def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
         chosen = choose_problem_scene(study.scene, study.variant, named, given)
     except StudyError as error:
         raise StudyError(locate_problem(each, study) for each in error.problems) from None
-    refused = [*drive_refusal(study, chosen[0])]
-    if refused:
-        raise StudyError(refused)
+    raise_any(drive_refusal(study, chosen[0]))
     return chosen
 
 
@@ -166,8 +161,11 @@ def choose_problem_scene(
         plain = system.variants[method] == SYSTEMS[name].variants[method]
         if not plain or any(o not in closed and o in system.outputs(method) for o in outputs):
             more = ", or ask for outputs of the closed forms alone" if plain else ""
-            message = "variant is given, but a simulated motion has no variants"
-            problem = Problem("variant", message, f"Remove it{more}")
+            problem = Problem(
+                "variant",
+                "variant is given, but a simulated motion has no variants",
+                f"Remove it{more}",
+            )
             return system, method, [problem] if variant else []
     return scene, chosen, problems
 

@@ -3,8 +3,6 @@
 Candidates are arrays. The outputs come from the scene's own plan, as in a sweep.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.result import Motion
-from vibrafeed.core.plan.equations import regimes, run_equations
+from vibrafeed.core.motion.method import Motion
 from vibrafeed.core.plan.grid import from_si
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.plan import Plan, regimes, run_equations
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
 from vibrafeed.core.study.distributions import Distribution
 from vibrafeed.core.study.optimise_study import Criterion, Limited, Minimise, Pareto, Weighted
@@ -104,7 +101,7 @@ class Uncertain:
         """The number of nodes."""
         return next(iter(self.values.values())).size
 
-    def with_nodes(self, values: Mapping[str, Array]) -> Uncertain:
+    def with_nodes(self, values: Mapping[str, Array]) -> "Uncertain":
         """Return the same with further nodes after the others; `values` are theirs, SI units."""
         longer = {name: np.append(one, values[name]) for name, one in self.values.items()}
         return replace(self, values=longer)
@@ -313,7 +310,7 @@ class OptimisationProblem:
         """True if the output is a mean over a motion with a known error."""
         return self.is_motion and self.criterion.output == "conveying_velocity"
 
-    def longer(self, times: float = LONGEST) -> OptimisationProblem:
+    def longer(self, times: float = LONGEST) -> "OptimisationProblem":
         """Return the problem with motions that do not repeat followed `times` as long.
 
         It is the problem itself if its outputs are closed forms, or if the method of motion has no
@@ -369,7 +366,7 @@ class OptimisationProblem:
         depends = margins.ndim == over[next(iter(self.uncertain.values))].ndim
         return np.asarray(margins.min(axis=0) if depends else margins)
 
-    def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
+    def scales(self, design: Mapping[str, Array]) -> dict[str, Array]:
         """Return the size of each output that takes part, in each design, shape (cells,), by name.
 
         It is the largest size over the corners and middles of the variables' bounds, or 1 where an
@@ -379,7 +376,7 @@ class OptimisationProblem:
         ways = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
         x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * ways
         cells = cells_of(design)
-        known = self.known(x, columns(design), watch, self.bare)
+        known = self.known(x, columns(design), plan=self.bare)
         scales = {}
         for name in self.concerned:
             sizes = np.abs(self.output(name, known))
@@ -409,7 +406,7 @@ class OptimisationProblem:
                 snapped[kept.output] = np.where(near, np.finfo(np.float64).tiny, value)
         return regimes(self.plan, snapped)
 
-    def limited(self) -> OptimisationProblem:
+    def limited(self) -> "OptimisationProblem":
         """Return the problem of a point of a front: an output with a limit of the other one."""
         criterion = self.criterion
         assert isinstance(criterion, Pareto | Limited | Weighted)
@@ -475,7 +472,7 @@ class Optima:
     evaluations: NDArray[np.int64] | int = 1
     says: str = ""
 
-    def chosen(self, cells: NDArray[np.intp]) -> Optima:
+    def chosen(self, cells: NDArray[np.intp]) -> "Optima":
         """Return the optima at some positions."""
         value = None if self.value is None else self.value[cells]
         evaluations = np.broadcast_to(self.evaluations, self.status.shape)[cells]

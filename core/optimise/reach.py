@@ -4,8 +4,6 @@ Each bound in turn becomes what is looked for, while the others are kept: that t
 output goes, and so which limit would have to give way. Then the same limits with a wider choice.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -9,8 +9,6 @@ Each design has a population of its own; all share the same random numbers, so t
 not depend on the other designs of a batch.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -31,6 +29,7 @@ from vibrafeed.core.optimise.problem import (
     statuses_of,
 )
 from vibrafeed.core.optimise.uncertain import NODES
+from vibrafeed.core.plan.grid import spread
 from vibrafeed.core.watch import Watch
 
 MAX_VARIABLES = 8
@@ -75,12 +74,12 @@ class Candidates(NamedTuple):
         """Return the index of the best point of each design, shape (cells,)."""
         return np.lexsort((-self.value, self.beyond), axis=-1)[:, 0]
 
-    def at(self, indices: NDArray[np.intp]) -> Candidates:
+    def at(self, indices: NDArray[np.intp]) -> "Candidates":
         """Return the points at indices, shape (cells, k)."""
         rows = (np.take_along_axis(one, indices, axis=1) for one in self[1:])
         return Candidates(np.take_along_axis(self.unit, indices[None], axis=2), *rows)
 
-    def of(self, cells: Any) -> Candidates:
+    def of(self, cells: Any) -> "Candidates":
         """Return the points of some designs."""
         return Candidates(self.unit[:, cells], *(one[cells] for one in self[1:]))
 
@@ -99,7 +98,7 @@ class SearchResult(NamedTuple):
     evaluations: NDArray[np.int64]
     done: NDArray[np.bool_]
 
-    def put(self, cells: Any, other: SearchResult) -> None:
+    def put(self, cells: Any, other: "SearchResult") -> None:
         """Take over another search of some designs, with the numbers `cells`."""
         self.best.unit[:, cells] = other.best.unit
         for mine, theirs in zip(self.best[1:], other.best[1:], strict=True):
@@ -332,19 +331,6 @@ def _trial(points: Candidates, random: np.random.Generator) -> Array:
 
 
 # --- points that fill a box
-
-
-def spread(points: int, variables: int) -> Array:
-    """Return evenly spread points of the unit box, shape (variables, points).
-
-    The k-th point has the coordinates (1/2 + k r^-j) mod 1, j = 1 ... d, where d is the number of
-    variables and r the root of r^(d + 1) = r + 1 (Roberts 2018).
-    """
-    root = 2.0
-    for _ in range(40):
-        root = (1 + root) ** (1 / (variables + 1))
-    steps = root ** -np.arange(1.0, variables + 1)
-    return (0.5 + steps[:, None] * np.arange(1, points + 1)) % 1.0
 
 
 def filled(variables: int, cells: int, points: int) -> Array:

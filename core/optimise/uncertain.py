@@ -5,8 +5,6 @@ from the same distributions, nothing favours it: mean, quantile and the share of
 limit are true there, with errors from independent scramblings, as in a study of sensitivity.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

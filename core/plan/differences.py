@@ -8,8 +8,6 @@ The first step is 2^-16 of the scale of a parameter: near eps^(1/3), where trunc
 of D are equal, and not larger, since kinks of motion lie close. Other steps serve where it fails.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -22,11 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import TableVariable, flag_attributes
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.mechanics.arrays import Array, Mask
-from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.plan import Plan, plan_scene
+from vibrafeed.core.plan.plan import Plan, plan_scene, run_equations
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
 from vibrafeed.core.quantities.quantity import in_sentence
@@ -415,14 +412,21 @@ def asked_of(
         if name not in known
     ]  # fmt: skip
     if not outputs:
-        message = "none of the requested outputs is a number with a derivative"
-        faults.append((message, "Leave out sensitivities, or request another output"))
+        faults.append(
+            (
+                "none of the requested outputs is a number with a derivative",
+                "Leave out sensitivities, or request another output",
+            )
+        )
     values = cells * len(outputs) * len(names)
     if values > MAX_DERIVED:
-        message = f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}"
-        faults.append((message, "Give fewer cells, outputs or names of parameters"))
-    if faults:
-        raise StudyError([Problem(SECTION, *one) for one in faults])
+        faults.append(
+            (
+                f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}",
+                "Give fewer cells, outputs or names of parameters",
+            )
+        )
+    raise_any(Problem(SECTION, *one) for one in faults)
     return Asked(outputs, names)
 
 

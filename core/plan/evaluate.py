@@ -4,8 +4,6 @@ There is one door and two ways behind it. numpy runs the equations block by bloc
 comes often, goes through a loop that is compiled from them. Both give the same bits.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import sys
@@ -20,11 +18,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.plan.blocks import Progress, Results, evaluate_in_blocks
-from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.loop_source import Order
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.plan import Known, Plan, regimes, run, run_equations
 from vibrafeed.core.plan.program import (
     FEW_CELLS,
     Array,
@@ -41,6 +37,11 @@ from vibrafeed.core.plan.trace import Traced, traced
 from vibrafeed.core.watch import Watch
 
 _T = TypeVar("_T")
+
+Progress = Callable[[float], object]
+Results = Mapping[str, NDArray[Any]]
+
+BLOCK_CELLS = 32_768  # 256 KiB an array: a handful of them stay in a second-level cache
 
 LOOPED_FROM = 16_384
 """Number of cells that numpy computes in about a millisecond: no loop is compiled for fewer."""
@@ -87,22 +88,72 @@ def evaluate(
     return results
 
 
+def evaluate_in_blocks(
+    plan: Plan,
+    grid: Grid,
+    results: Results,
+    *,
+    block_cells: int = BLOCK_CELLS,
+    progress: Progress | None = None,
+) -> None:
+    """Compute a plan on a grid block by block with numpy: the readable reference.
+
+    The leading axes are taken value by value, and the last of them in steps, so that about
+    `block_cells` cells are computed at once. `results` has an array for each output and verdict,
+    over the axes that it depends on, which is filled in SI units. `progress` is called after each
+    block with its share of the grid.
+    """
+    depends = plan.depends_on(grid.axes)
+    used = grid.dims(set().union(*(depends[name] for name in results)))
+    steps = _steps(grid, used, block_cells)
+    values = grid.si()
+    # What depends on none of the sliced axes is computed once.
+    inner = [one for one in plan.equations if depends[one.gives] & steps.keys()]
+    outer = [one for one in plan.equations if not depends[one.gives] & steps.keys()]
+    start = run(outer, values | {name: np.asarray(one) for name, one in plan.defaults.items()})
+    for begin in product(*(range(0, grid.shape[axis], step) for axis, step in steps.items())):
+        where = {
+            axis: slice(at, min(at + steps[axis], grid.shape[axis]))
+            for axis, at in zip(steps, begin, strict=True)
+        }
+        here = {
+            axis: values[axis].take(range(part.start, part.stop), axis=[*grid.axes].index(axis))
+            for axis, part in where.items()
+        }
+        _write(plan, grid, run(inner, start | here), where, results)
+        if progress is not None:
+            sizes = (part.stop - part.start for part in where.values())
+            progress(math.prod(sizes) / grid.size(steps))
+
+
+def _steps(grid: Grid, used: tuple[str, ...], block_cells: int) -> dict[str, int]:
+    fits = (count for count in range(len(used)) if grid.size(used[count:]) <= block_cells)
+    sliced = used[: next(fits, len(used))]
+    last = {axis: max(1, block_cells // grid.size(used[len(sliced) :])) for axis in sliced[-1:]}
+    return dict.fromkeys(sliced, 1) | last
+
+
 def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> None:
     """Compute a plan with simulated motion on the whole grid at once, and write into `into`.
 
     The equations of motion share out their cells among threads themselves, and ask `watch` whether
     to stop: then cells are left that are not computed.
     """
-    depends = plan.depends_on(grid.axes)
     given = grid.si()
     known = run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
-    known |= regimes(plan, known)
-    for name, array in into.items():
+    _write(plan, grid, known, {}, into)
+
+
+def _write(
+    plan: Plan, grid: Grid, known: Known, where: Mapping[str, slice], results: Results
+) -> None:
+    depends, known = plan.depends_on(grid.axes), known | regimes(plan, known)
+    for name, array in results.items():
         values = np.asarray(known[name])
-        if values.ndim:
+        if values.ndim:  # every axis of the grid, of size 1 where it does not depend on it
             axes = enumerate(grid.axes)
             values = values.squeeze(tuple(at for at, axis in axes if axis not in depends[name]))
-        array[...] = values
+        array[tuple(where.get(axis, slice(None)) for axis in grid.dims(depends[name]))] = values
 
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:

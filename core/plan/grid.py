@@ -1,7 +1,5 @@
 """The grid of a sweep: axes and fixed parameters, and how large outputs on it are."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Iterable, Mapping
@@ -39,7 +37,7 @@ class Grid:
     fixed: Mapping[str, float]
 
     @classmethod
-    def of(cls, values: Mapping[str, Values]) -> Grid:
+    def of(cls, values: Mapping[str, Values]) -> "Grid":
         """Return the grid of a study's parameters: those with several values are axes."""
         return cls(
             {name: value for name, value in values.items() if not isinstance(value, Fixed)},
@@ -65,7 +63,7 @@ class Grid:
         """Return the number of points over the named axes."""
         return math.prod(self.shape[name] for name in dims)
 
-    def within(self, box: Mapping[str, tuple[int, int]]) -> Grid:
+    def within(self, box: Mapping[str, tuple[int, int]]) -> "Grid":
         """Return the part of the grid between start and stop on each axis named in `box`."""
         axes = {
             name: Points(tuple(axis.array(*box[name]))) if name in box else axis
@@ -73,7 +71,7 @@ class Grid:
         }
         return Grid(axes, self.fixed)
 
-    def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> Grid:
+    def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> "Grid":
         """Return a smaller grid: the axes of a box, within its ends, with some fixed parameters."""
         ends = {name: (0, axis.size) for name, axis in self.axes.items()}
         cut = {name: at for name, at in box.items() if at != ends[name]}
@@ -141,3 +139,16 @@ def positions_of(shape: dict[str, int], numbers: NDArray[np.int64]) -> dict[str,
     for name, size in reversed(shape.items()):
         left, positions[name] = np.divmod(left, size)
     return positions
+
+
+def spread(points: int, variables: int) -> NDArray[np.float64]:
+    """Return evenly spread points of the unit box, shape (variables, points).
+
+    The k-th point has the coordinates (1/2 + k r^-j) mod 1, j = 1 ... d, where d is the number of
+    variables and r the root of r^(d + 1) = r + 1 (Roberts 2018).
+    """
+    root = 2.0
+    for _ in range(40):
+        root = (1 + root) ** (1 / (variables + 1))
+    steps = root ** -np.arange(1.0, variables + 1)
+    return (0.5 + steps[:, None] * np.arange(1, points + 1)) % 1.0

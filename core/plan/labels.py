@@ -1,10 +1,9 @@
 """The labels of a result of any kind: coordinates, outputs, attributes; and its verified cells."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +33,23 @@ FAILED = "verified_failed"
 allows; absent if there are none."""
 
 Positions = Mapping[str, NDArray[np.int64]]
+
+
+class ResultVariable(NamedTuple):
+    """A variable that a kind adds to its result: dimensions besides the grid's, unit, and texts."""
+
+    name: str
+    dims: tuple[str, ...]
+    unit: str
+    label: str
+    comment: str = ""
+    more: Mapping[str, Any] = MappingProxyType({})
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """The CF attributes of the variable."""
+        comment = {"comment": self.comment} if self.comment else {}
+        return {"units": self.unit, "long_name": self.label, **comment, **self.more}
 
 
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:

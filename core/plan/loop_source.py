@@ -8,8 +8,6 @@ Within a loop everything but truth is a float, whole numbers too, and truth wher
 processor changes the width of its values at the price of many steps.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass

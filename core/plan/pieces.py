@@ -1,26 +1,29 @@
-"""Carrying out a study in pieces: what is computed, where a piece lies, how pieces are joined.
+"""The record of a kind of study, and carrying out a study in pieces.
+
+The package of a kind exports its record as `KIND`.
 
 A piece is a part of the grid. What is computed of it does not depend on the other pieces, so that
 they may be computed anywhere, in any order, and again.
 """
 
-from __future__ import annotations
-
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.compiling import stopwatch
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.plan.prepared import Box, Prepared
+from vibrafeed.core.plan.prepared import Box, Chosen, Prepared
+from vibrafeed.core.scenes import Scene
+from vibrafeed.core.study.grid_study import Study
 from vibrafeed.core.watch import Watch
 
-Study = TypeVar("Study", bound=Prepared)
+Ready = TypeVar("Ready", bound=Prepared)
 
 FOLLOWED = "motions_followed"
 """The attribute of a result that has the number of its cells, where only computing can tell it."""
@@ -45,9 +48,9 @@ class Computed:
 
 
 def carry_out(
-    prepared: Study,
-    compute: Callable[[Study, Watch], Computed],
-    label: Callable[[Study, Computed, Watch], Table],
+    prepared: Ready,
+    compute: Callable[[Ready, Watch], Computed],
+    label: Callable[[Ready, Computed, Watch], Table],
     watch: Watch | None = None,
 ) -> Table:
     """Compute a prepared study and return the table of its results, with cells and seconds.
@@ -56,7 +59,7 @@ def carry_out(
 
     Parameters
     ----------
-    prepared : Study
+    prepared : Prepared
         A checked study with its plan and grid.
     compute, label : callable
         Those of the study's kind: `compute` returns bare arrays for a study, `label` makes a table
@@ -167,3 +170,71 @@ def join(prepared: Prepared, pieces: Iterable[tuple[Box, Computed]]) -> Computed
                 values
             )
     return Computed(arrays, notes)
+
+
+class Sketch(NamedTuple):
+    """The names in a study, or in content that is no sound study yet.
+
+    `names` are the parameters that it gives or leaves open, wherever they stand.
+    """
+
+    scene: str
+    variant: str | None
+    method: str | None
+    outputs: Collection[str]
+    names: Collection[str]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """All that the rest of the program knows of a kind of study.
+
+    Attributes
+    ----------
+    name : str
+        The value of the key `kind`.
+    title, description : str
+        What lists of kinds show: a few words, and a sentence or two.
+    model : type
+        The model of its studies.
+    scenes : tuple of mapping
+        Where its scenes are; the first names all of them, others give further outputs.
+    example : mapping
+        A short study that is carried out at once.
+    prepare : callable
+        Takes a study; returns it prepared, or raises `StudyError` with every problem.
+    choose : callable
+        Takes a `Sketch`; returns the scene, the variant or method in force, and what is wrong with
+        the one that is named. Raises `StudyError` without a scene.
+    compute : callable
+        Takes what `prepare` returns and a `Watch`; returns what was `Computed`.
+    label : callable
+        Takes what `prepare` returns, what was computed, and a `Watch` that may stop verifying;
+        returns the `Table` of results.
+    choices : mapping of str to iterable of str
+        Values of keys that are no scenes, variants or outputs, and that the model does not list.
+    is_measured : bool
+        True if error against run time is measured for its studies (`vibrafeed.core.report`).
+    verified : callable
+        Takes what `prepare` returns and a `Watch`; returns the verification of random cells, which
+        are computed alone, as attributes.
+    compiles : mapping of str to tuple of mapping
+        Studies that need every kernel of the kind; each group has its own.
+    """
+
+    name: str
+    title: str
+    description: str
+    model: type[Study]
+    scenes: tuple[Mapping[str, Scene], ...]
+    example: Mapping[str, Any]
+    prepare: Callable[[Any], Prepared]
+    choose: Callable[[Sketch], Chosen]
+    compute: Callable[[Any, Watch], Computed]
+    label: Callable[[Any, Computed, Watch], Table]
+    choices: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    is_measured: bool = False
+    verified: Callable[[Any, Watch], Mapping[str, Any]] = lambda _prepared, _watch: {}
+    compiles: Mapping[str, tuple[Mapping[str, Any], ...]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )

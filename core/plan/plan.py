@@ -1,16 +1,18 @@
 """The plan: the equations of one scene that the asked outputs pull, in order, and no others.
 
-With it go its verdicts: the flag variables of a result, one for all outputs that share a validity.
+With it go running them on arrays and its verdicts: the flag variables of a result, one for all
+outputs that share a validity.
 """
 
-from __future__ import annotations
-
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from vibrafeed.core.errors import Problem, StudyError
+import numpy as np
+from numpy.typing import NDArray
+
+from vibrafeed.core.errors import Problem, raise_any, refused
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.flags import REGIME
@@ -30,6 +32,7 @@ from vibrafeed.core.scenes import (
 )
 from vibrafeed.core.scenes.scene import behind
 from vibrafeed.core.suggestions import Suggestions, by_synonym, suggestion
+from vibrafeed.core.watch import Watch
 
 
 @dataclass(frozen=True)
@@ -104,7 +107,7 @@ class Plan:
         """Return the verdict that judges an output; None for one that holds in every regime."""
         return next((one for one in self.verdicts if output in one.outputs), None)
 
-    def only(self, output: str) -> Plan:
+    def only(self, output: str) -> "Plan":
         """Return the plan of one output alone, with the equations and parameters that it needs.
 
         Plans are kept for the next call, since every slice asks for one.
@@ -114,7 +117,7 @@ class Plan:
             self._known[output] = walk.plan()
         return self._known[output]
 
-    def part(self, names: Collection[str]) -> Plan:
+    def part(self, names: Collection[str]) -> "Plan":
         """Return a smaller plan: the equations that some outputs and verdicts of this plan need."""
         verdicts = tuple(verdict for verdict in self.verdicts if verdict.name in names)
         outputs = tuple(name for name in names if name not in self.verdict_names)
@@ -186,8 +189,7 @@ def find_scene(
 ) -> tuple[Scene, str]:
     """Return the named scene and variant, the default one for None; raise `StudyError` without."""
     scene, variant, problems = choose_scene(name, variant, scenes)
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return scene, variant
 
 
@@ -201,21 +203,19 @@ def choose_scene(
     scene = scenes.get(name)
     if scene is None:
         is_scene = name in SCENES
-        message = f"'{name[:60]}' {'cannot be simulated' if is_scene else 'is not a scene'}"
-        fix = f"Known: {', '.join(scenes)}" if is_scene else suggestion(name, scenes)
-        raise StudyError([Problem("scene", message, fix)])
+        raise refused(
+            "scene",
+            f"'{name[:60]}' {'cannot be simulated' if is_scene else 'is not a scene'}",
+            f"Known: {', '.join(scenes)}" if is_scene else suggestion(name, scenes),
+        )
     if variant is None or variant in scene.variants:
         return scene, variant or scene.default_variant, []
-    message = f"{scene.name} has no {scene.choice} '{variant[:60]}'"
-    problem = Problem(scene.choice, message, suggestion(variant, scene.variants))
+    problem = Problem(
+        scene.choice,
+        f"{scene.name} has no {scene.choice} '{variant[:60]}'",
+        suggestion(variant, scene.variants),
+    )
     return scene, scene.default_variant, [problem]
-
-
-def make_plan(
-    scene_name: str, variant: str | None, outputs: Collection[str], parameters: Collection[str]
-) -> Plan:
-    """Return the plan for outputs of a named scene; raise `StudyError` with every problem."""
-    return plan_scene(*find_scene(scene_name, variant), outputs, parameters)
 
 
 def plan_scene(
@@ -237,8 +237,7 @@ def plan_scene(
         blamed = {problem.place.removeprefix("parameters.") for problem in problems}
         unused = (name for name in parameters if name not in walk.used | blamed)
         problems += [_unused(scene, variant, name, known_outputs) for name in unused]
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return walk.plan()
 
 
@@ -309,16 +308,17 @@ class _Walk:
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
     told = _other_way(scene, variant, name)
     if told is None:
-        message = f"{scene.name} has no output '{name[:60]}'"
-        told = message, suggest(name, scene.outputs(variant))
+        told = f"{scene.name} has no output '{name[:60]}'", suggest(name, scene.outputs(variant))
     return Problem("outputs", *told, about=name)
 
 
 def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
-        message = f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'"
-        return message, f"Set {scene.choice} to {' or '.join(others)}"
+        return (
+            f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
+            f"Set {scene.choice} to {' or '.join(others)}",
+        )
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
@@ -331,22 +331,24 @@ def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
     other = by_synonym(name, scene.outputs(variant))
     if other is None:
         return f"a {there} gives {name}, a {here} does not", f'Set kind = "{kind}"'
-    message = f"a {there} gives {name}; a {here} gives {other}"
-    return message, f'Ask for {other} in outputs, or set kind = "{kind}"'
+    return (
+        f"a {there} gives {name}; a {here} gives {other}",
+        f'Ask for {other} in outputs, or set kind = "{kind}"',
+    )
 
 
-def _doubled(parameters: Collection[str], missing: Collection[str]) -> list[Problem]:
-    problems = []
+def _doubled(parameters: Collection[str], missing: Collection[str]) -> Iterator[Problem]:
     for name, others in ALTERNATIVES:
         doubled = [other for other in others if name in parameters and other in parameters]
         if doubled:
-            message = f"{name} and {' and '.join(doubled)} set the same quantity"
-            fix = f"Give either {name} or {' and '.join(others)}"
-            problems.append(Problem(f"parameters.{name}", message, fix))
+            yield Problem(
+                f"parameters.{name}",
+                f"{name} and {' and '.join(doubled)} set the same quantity",
+                f"Give either {name} or {' and '.join(others)}",
+            )
     for name, (needed, message, example) in NEEDS.items():
         if name in parameters and needed not in {*parameters, *missing}:
-            problems.append(Problem(f"parameters.{name}", message, f"Add {needed} = {example}"))
-    return problems
+            yield Problem(f"parameters.{name}", message, f"Add {needed} = {example}")
 
 
 def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
@@ -364,21 +366,22 @@ def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
 
 
 def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
+    path = f"parameters.{name}"
     if name in DRIVE and "wave" not in scene.producers(variant):
-        fix = "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part"
-        message = (
-            f"{scene.name} supports only the plain sine here, and {name} belongs to another drive"
+        return Problem(
+            path,
+            f"{scene.name} supports only the plain sine here, and {name} belongs to another drive",
+            "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part",
         )
-        return Problem(f"parameters.{name}", message, fix)
     if (variant, name) in NOT_OF_SHAPE:
-        message, fix = NOT_OF_SHAPE[variant, name]
-        return Problem(f"parameters.{name}", message, fix)
-    takes_part = name in scene_parameters(scene, variant)
-    what = f"{', '.join(outputs)} of {scene.name}" if takes_part else scene.name
+        return Problem(path, *NOT_OF_SHAPE[variant, name])
+    if name in scene_parameters(scene, variant):
+        return Problem(
+            path, f"{name} is not used by {', '.join(outputs)} of {scene.name}", "Remove it"
+        )
     users = [one for one in scene.variants if name in scene_parameters(scene, one)]
     elsewhere = f", or set {scene.choice} to {' or '.join(users)}" if users else ""
-    fix = "Remove it" + (elsewhere if not takes_part else "")
-    return Problem(f"parameters.{name}", f"{name} is not used by {what}", fix)
+    return Problem(path, f"{name} is not used by {scene.name}", f"Remove it{elsewhere}")
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:
@@ -389,3 +392,61 @@ def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:
         if alias.gives in needed:
             needed |= set(alias.inputs)
     return tuple(name for name in QUANTITIES if name in needed and QUANTITIES[name].parameter)
+
+
+Known = dict[str, Any]
+"""Quantities by name: arrays that broadcast, SI units, and bundles of them."""
+
+
+def too_large_is_data() -> np.errstate:
+    """Return a context in which overflow gives infinity without a warning.
+
+    What hangs on it may be no number; the compiled loops of large sweeps say nothing of it either.
+    """
+    return np.errstate(over="ignore", invalid="ignore")
+
+
+def run_equations(plan: Plan, parameters: Mapping[str, Any], watch: Watch | None = None) -> Known:
+    """Compute all equations of a plan on whole arrays; return every quantity, SI units.
+
+    Equations that take long, such as motions, ask `watch` whether to stop.
+    """
+    known: Known = {name: np.asarray(value) for name, value in plan.defaults.items()}
+    return run(plan.equations, known | dict(parameters), watch)
+
+
+def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None) -> Known:
+    """Compute equations one after another, adding their results to `known`, which is returned."""
+    with too_large_is_data():
+        for equation in equations:
+            watched = {"watch": watch} if equation.takes_long else {}
+            known[equation.gives] = equation.function(
+                **{name: known[name] for name in equation.inputs}, **watched
+            )
+    return known
+
+
+def regimes(plan: Plan, known: Mapping[str, Any]) -> dict[str, NDArray[np.int8]]:
+    """Return the regimes of the cells by each verdict of a plan, by the name of the verdict."""
+    return {name: np.asarray(one) for name, one in regimes_of(plan.verdicts, known).items()}
+
+
+def regimes_of(verdicts: Sequence[Verdict], known: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the number of each cell's regime by each verdict: the first condition that holds.
+
+    A condition of several verdicts is looked at once. The results are int8.
+    """
+    results: dict[str, Any] = {}
+    with too_large_is_data():
+        holds = {
+            condition: condition.function(**{name: known[name] for name in condition.inputs})
+            for condition in dict.fromkeys(one for v in verdicts for one in v.conditions)
+        }
+        for verdict in verdicts:
+            regime: Any = np.int8(REGIMES[verdict.otherwise].value)
+            for condition in reversed(verdict.conditions):
+                regime = np.where(
+                    holds[condition], np.int8(REGIMES[condition.regime].value), regime
+                )
+            results[verdict.name] = regime
+    return results

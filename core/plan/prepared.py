@@ -1,24 +1,32 @@
-"""From a study to what can be evaluated: the plan and the grid, checked together."""
+"""From a study to its plan and grid, checked together, and to the price of evaluating them.
 
-from __future__ import annotations
+For the price 64 cells are computed and timed, once, with a margin of two. Nobody knows beforehand
+whether a motion repeats, so the samples are followed for more and more periods while a budget of
+time lasts. What has not repeated by then counts as if it never did.
+"""
 
+import math
+import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
+import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import LimitError, Problem, StudyError
+from vibrafeed.core.errors import LimitError, Problem, StoppedError, StudyError, raise_any, refused
+from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.differences import Asked, is_status
-from vibrafeed.core.plan.grid import Grid, from_si
-from vibrafeed.core.plan.plan import Plan, plan_scene
-from vibrafeed.core.plan.price import Price, in_words, price
-from vibrafeed.core.quantities import FLAGS, QUANTITIES
+from vibrafeed.core.plan.grid import Grid, from_si, positions_of, spread
+from vibrafeed.core.plan.plan import Plan, plan_scene, run_equations
+from vibrafeed.core.quantities import FLAGS, MOTION_STATUSES, QUANTITIES
 from vibrafeed.core.scenes import CONSTRAINTS, Scene
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
+from vibrafeed.core.study.sweep_and_simulate import FEWEST_PERIODS
 from vibrafeed.core.study.values import Values
 from vibrafeed.core.suggestions import SEARCHED, intended
+from vibrafeed.core.watch import Watch
 
 Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
@@ -36,7 +44,7 @@ class Prepared:
     grid: Grid
     questions: tuple[str, ...] = field(default=(), kw_only=True)
     """Questions about values that are allowed and unusual, wherever they come from."""
-    known_price: Price | None = field(default=None, kw_only=True, compare=False)
+    known_price: "Price | None" = field(default=None, kw_only=True, compare=False)
     """The price of its cells where it is known, such as from another process."""
 
     can_stop: ClassVar[bool] = True
@@ -99,12 +107,6 @@ class Prepared:
         """The bytes of the stored outputs, uncompressed."""
         return sum(self.grid.size(dims) * self.width(name) for name, dims in self.dims.items())
 
-    @property
-    def computed_bytes(self) -> int:
-        """The bytes of the outputs as computed."""
-        width = Prepared.width
-        return sum(self.grid.size(dims) * width(self, name) for name, dims in self.dims.items())
-
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""
         return 1 if is_status(name) or self._is_flag(name) else 8
@@ -136,11 +138,11 @@ class Prepared:
         return replace(self, grid=self.grid.within(box))
 
     @cached_property
-    def price(self) -> Price:
+    def price(self) -> "Price":
         """The price of the cells on one core, without verification; motions are sampled for it."""
         return self.known_price or self._new_price()
 
-    def _new_price(self) -> Price:
+    def _new_price(self) -> "Price":
         return price(self.plan, self.grid, self.stated_seconds_a_cell)
 
     @property
@@ -207,13 +209,14 @@ class Prepared:
         if self.study.verify is None:
             return self
         if not self.verified_by:
-            message = "no other method follows this motion"
-            raise StudyError([Problem("verify", message, "Leave it out")])
+            raise refused("verify", "no other method follows this motion", "Leave it out")
         if self.seconds_to_verify > MAX_SECONDS_TO_VERIFY:
             each, by = self.seconds_a_verified_cell, self.verified_by
-            message = f"{by} take{'s' * by.startswith('the')} some {each:.2g} s a cell"
-            fix = f"Give at most {int(MAX_SECONDS_TO_VERIFY / each):,}"
-            raise StudyError([Problem("verify", message, fix)])
+            raise refused(
+                "verify",
+                f"{by} take{'s' * by.startswith('the')} some {each:.2g} s a cell",
+                f"Give at most {int(MAX_SECONDS_TO_VERIFY / each):,}",
+            )
         return self
 
     def check_limits(self, *, cells: int | None, bytes_: int | None) -> None:
@@ -259,8 +262,7 @@ def plan_study(
         plan = plan_scene(scene, variant, tuple(outputs), values)
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return plan, grid
 
 
@@ -293,3 +295,145 @@ def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Probl
             if not constraint.holds(*ends):
                 place = f"parameters.{constraint.parameters[0]}"
                 yield Problem(place, constraint.message, constraint.fix)
+
+
+SAMPLED = 64
+"""Most cells that are computed for a price."""
+MARGIN = 2.0
+"""Factor on the measured time."""
+BUDGET, PATIENCE = 0.3, 4.0
+"""Longest time of the processor that a round of the sample takes [s], and the longest by the clock
+over it, since others may use the core."""
+MORE = 4.0
+"""Factor from the number of periods of one round to that of the next."""
+SURPRISE = 3.0 * MORE
+"""Ratio of the times of a cell in two rounds from which on the second is repeated."""
+LIMIT = "max_periods"
+
+ENDED = [MOTION_STATUSES[name].value for name in ("periodic", "at_rest", "neutral")]
+"""Statuses of motions that more periods do not prolong."""
+NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
+
+
+class Price(NamedTuple):
+    """The price of a study in seconds of one core: to begin, and for each cell."""
+
+    start: float
+    cell: float
+
+    def of(self, cells: float) -> float:
+        """Return the price of a number of cells [s]; more cells never cost less."""
+        return self.start + self.cell * cells
+
+
+class _Round(NamedTuple):
+    seconds: float
+    done: int
+    open: bool
+
+    @property
+    def each(self) -> float:
+        return self.seconds / max(self.done, 1)
+
+
+def price(
+    plan: Plan,
+    grid: Grid,
+    rough: float | None = None,
+    free: Mapping[str, tuple[float, float]] | None = None,
+) -> Price:
+    """Return the price of evaluating a plan on a grid, from some cells that are evenly spread.
+
+    `rough` is that of a cell where nothing is timed [s], the scene's if left out: of closed forms,
+    and of motions whose code is not compiled yet. `free` are the ends of parameters that are not on
+    the grid, SI units.
+    """
+    each = plan.scene.seconds_a_cell if rough is None else rough
+    if not any(one.takes_long for one in plan.equations) or not _is_compiled():
+        return Price(0.0, MARGIN * each)
+    known, count, share = _spread_cells(plan, grid, free or {})
+    start, each = _timed(plan, known, count)
+    return Price(MARGIN * start, MARGIN * each * share)
+
+
+def _is_compiled() -> bool:
+    from vibrafeed.core.kernel_cache import are_kept, packages
+
+    return bool(are_kept(name for name in packages() if name.startswith("motion-")))
+
+
+def _spread_cells(
+    plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]]
+) -> tuple[dict[str, Array], int, float]:
+    depends = plan.depends_on(grid.axes)
+    moved = frozenset().union(*(depends[one.gives] for one in plan.equations if one.takes_long))
+    dims = {name: grid.shape[name] for name in grid.dims(moved)}
+    cells = math.prod(dims.values())
+    count = SAMPLED if free else min(SAMPLED, cells)
+    points = spread(count, len(dims) + len(free)).T
+    if cells <= count and not free:
+        order = np.concatenate([np.arange(0, count, 2), np.arange(1, count, 2)])
+        positions = positions_of(dims, order)
+    else:
+        along = np.floor(points[:, : len(dims)] * [*dims.values()]).astype(np.int64)
+        positions = dict(zip(dims, along.T, strict=True))
+    positions |= dict.fromkeys(set(grid.axes) - set(dims), np.zeros(count, dtype=np.int64))
+    known = grid.at(positions, count, plan.parameters)
+    for k, (name, (low, high)) in enumerate(free.items(), start=len(dims)):
+        known[name] = low + (high - low) * points[:, k]
+    return known, count, cells / grid.cells
+
+
+def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, float]:
+    allowed = float(np.max({**plan.defaults, **known}.get(LIMIT, 0.0)))
+    periods = before = reached = 0.0
+    while True:
+        periods = min(allowed, max(float(FEWEST_PERIODS), MORE * periods))
+        latest = _follow(plan, known, count, periods)
+        if latest.each > SURPRISE * before:  # it may have loaded code
+            latest = _follow(plan, known, count, periods)
+        goes_on = latest.open and periods < allowed
+        if not goes_on or latest.done < count or MORE * latest.seconds > BUDGET:
+            break
+        before, reached = latest.each, periods
+    if goes_on:  # as if it never repeated
+        growth = (latest.each - before) / (periods - reached)
+        return 0.0, latest.each + max(growth, 0.0) * (allowed - periods)
+    if latest.done < count or count == 1:
+        return 0.0, latest.each
+    # A call takes a time of its own, which more cells do not lengthen.
+    half = count // 2
+    slope = (latest.seconds - _follow(plan, known, half, periods).seconds) / (count - half)
+    slope = min(max(slope, 0.1 * latest.each), latest.each)
+    return count * (latest.each - slope), slope
+
+
+def _follow(plan: Plan, known: Mapping[str, Any], count: int, periods: float) -> _Round:
+    cells = {name: value[:count] if np.ndim(value) else value for name, value in known.items()}
+    if LIMIT in plan.defaults or LIMIT in known:
+        cells[LIMIT] = np.asarray(periods)
+    busy, since = time.process_time(), time.thread_time()
+    watch = Watch(
+        threads=1,
+        stop=lambda: time.process_time() - busy > BUDGET,
+        deadline=time.monotonic() + PATIENCE * BUDGET,
+    )
+    try:
+        outcome = run_equations(plan, cells, watch)
+    except StoppedError:
+        return _Round(time.thread_time() - since, 0, open=True)
+    seconds = time.thread_time() - since
+    long = (outcome[one.gives] for one in plan.equations if one.takes_long)
+    statuses = [np.broadcast_to(one.status, count) for one in long if hasattr(one, "status")]
+    left_out = np.any([one == NOT_COMPUTED for one in statuses], axis=0)
+    done = count - int(np.sum(left_out))
+    is_open = not done or not all(np.isin(one[~left_out], ENDED).all() for one in statuses)
+    return _Round(seconds, done, is_open)
+
+
+def in_words(seconds: float) -> str:
+    """Return a time [s] in words with two digits, as users see it: ``3.2 minutes``."""
+    for unit, length in (("days", 86_400), ("hours", 3600), ("minutes", 60)):
+        if seconds >= 2 * length:
+            return f"{float(f'{seconds / length:.2g}'):,g} {unit}"
+    return f"{float(f'{seconds:.2g}'):g} s"

@@ -5,8 +5,6 @@ without an array in between. A function that a loop cannot repeat to the last bi
 sine) splits it: numpy takes it between two loops, some thousand cells at a time.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -246,23 +244,14 @@ def cells_between(ends: NDArray[np.int64]) -> int:
     return math.prod(stop - start for start, stop in ends.tolist())
 
 
-def _new_rows(count: int) -> list[Array]:
-    return [np.empty(LONGEST_ROW) for _ in range(count)]
-
-
-def bind_stages(
-    program: Program,
-    operands: Mapping[int, Any],
-    rows: Callable[[int], Iterable[Array]] = _new_rows,
-) -> Runner:
+def bind_stages(program: Program, operands: Mapping[int, Any]) -> Runner:
     """Return a function that runs the compiled loops of a program on some cells.
 
-    `rows` is asked in each call for places for the rows that a loop keeps. The function takes
-    arrays of int64: start and stop along the row and along each outer loop, then the strides of the
-    loops in the results; and the flat arrays that the last loop fills.
+    The function takes arrays of int64: start and stop along the row and along each outer loop, then
+    the strides of the loops in the results; and the flat arrays that the last loop fills.
     """
     loops = (stage.loop for stage in program.stages)
-    calls = [None if loop is None else _bind_loop(loop, operands, rows) for loop in loops]
+    calls = [None if loop is None else _bind_loop(loop, operands) for loop in loops]
     between, last = list(zip(program.stages, calls[:-1], strict=False)), calls[-1]
     assert last is not None
 
@@ -284,7 +273,7 @@ def bind_stages(
 
 
 def _bind_loop(
-    loop: Loop, operands: Mapping[int, Any], rows: Callable[[int], Iterable[Array]]
+    loop: Loop, operands: Mapping[int, Any]
 ) -> Callable[[Sequence[NDArray[np.int64]], Mapping[int, Array], Iterable[Array]], None]:
     from vibrafeed.core.compiled import compiled_source  # numba takes a second to import
 
@@ -297,7 +286,8 @@ def _bind_loop(
         results: Iterable[Array],
     ) -> None:
         own = [columns[node.number] for node in loop.columns]
-        function(*ranges, *inputs, *own, *rows(len(loop.rows)), *results)
+        rows = (np.empty(LONGEST_ROW) for _ in loop.rows)
+        function(*ranges, *inputs, *own, *rows, *results)
 
     return call
 

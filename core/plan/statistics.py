@@ -6,8 +6,6 @@ error: half the width of the interval that holds the truth in 95 % of all cases.
 equal bits.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ graph instead, numpy's own protocols tell which steps they take. What a step can
 loop over values, an index, a shape) makes the plan untraceable, and numpy runs it as it stands.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
@@ -17,8 +15,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.mechanics.arrays import Elementwise, binade, exponent
-from vibrafeed.core.plan.equations import regimes_of, run
-from vibrafeed.core.plan.plan import Plan, Verdict
+from vibrafeed.core.plan.plan import Plan, Verdict, regimes_of, run
 from vibrafeed.core.scenes import Equation
 
 Function = Callable[..., Any]
@@ -83,7 +80,7 @@ class Node(NDArrayOperatorsMixin):
 
     def __init__(
         self,
-        graph: Graph,
+        graph: "Graph",
         function: Function | None,
         inputs: tuple[Any, ...],
         axes: frozenset[str],
@@ -96,7 +93,7 @@ class Node(NDArrayOperatorsMixin):
         graph.nodes.append(self)
 
     @property
-    def before(self) -> Iterator[Node]:
+    def before(self) -> "Iterator[Node]":
         """The nodes among its inputs."""
         return (one for one in self.inputs if isinstance(one, Node))
 
@@ -235,38 +232,6 @@ class Traced:
 
     graph: Graph
     results: Mapping[str, Any]
-
-
-@dataclass(frozen=True, eq=False)
-class TracedPlan:
-    """The graph of a plan, to which steps may be added.
-
-    `known` has every quantity of the plan, `holds` whether each condition of its verdicts holds:
-    nodes, or numbers and truth values.
-    """
-
-    graph: Graph
-    known: Mapping[str, Any]
-    holds: tuple[Any, ...]
-
-
-def traced_plan(plan: Plan, axes: Iterable[str]) -> TracedPlan | None:
-    """Return the graph behind a plan, with every quantity and condition; None if it has none.
-
-    `axes` are the parameters with several values. The graph is new: steps may be added to it.
-    """
-    graph = Graph()
-    ranged = {name for name in axes if name in plan.parameters}
-    leaves = {n: graph.leaf(n, {n} & ranged) for n in (*plan.parameters, *plan.defaults)}
-    try:
-        known = run(plan.equations, leaves)
-        holds = tuple(
-            condition.function(**{name: known[name] for name in condition.inputs})
-            for condition in plan.conditions
-        )
-    except UntraceableError:
-        return None
-    return TracedPlan(graph, known, holds)
 
 
 def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:

@@ -1,7 +1,5 @@
 """Motions as GIF files: of one part seen from the side, of a row of parts seen from above."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Never

@@ -1,7 +1,5 @@
 """Two bodies that hit each other, as they lie and move: a sketch beside what is drawn of them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

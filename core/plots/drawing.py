@@ -1,7 +1,5 @@
 """From datasets, or their files, to pictures: one, or several datasets in one."""
 
-from __future__ import annotations
-
 import io
 import reprlib
 from collections.abc import Mapping, Sequence

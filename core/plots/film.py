@@ -1,7 +1,5 @@
 """Motions to be drawn: the frames of an animation of one part, and a row of parts."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

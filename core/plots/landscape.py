@@ -3,8 +3,6 @@
 The objective is computed again from the study that a dataset carries.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 

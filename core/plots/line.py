@@ -4,8 +4,6 @@ A painter draws a `Selection` on a figure; the name over it, what is held and th
 same for all.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise

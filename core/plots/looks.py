@@ -3,8 +3,6 @@
 Outputs whose numbers stand for words have colours with names, too, and are not drawn as heights.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Pictures over two axes: filled contours, lines of equal value, and maps of regimes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, Literal

@@ -1,7 +1,5 @@
 """Pictures of measurements: the drive of a recording, error over run time of a report."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,11 +1,10 @@
 """Parts that pictures share: heading, legend and foot, axes, and the scale of colours."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+import matplotlib
 import numpy as np
 import xarray
 from matplotlib.artist import Artist
@@ -239,7 +238,8 @@ def scale_of(values: Array, style: Style) -> Scale | None:
     # A sign that reaches less of the other leaves the colours to that one.
     if min(-ends[0], ends[1]) > 0.1 * max(-ends[0], ends[1]):
         most = float(np.abs(levels).max())
-        return Scale(levels, style.two_signs, Normalize(-most, most), extend)
+        colours = matplotlib.colormaps["berlin" if style.dark else "RdYlBu_r"]
+        return Scale(levels, colours, Normalize(-most, most), extend)
     norm = Normalize(float(levels[0]), float(levels[-1]))
     return Scale(levels, style.single_sign, norm, extend)
 

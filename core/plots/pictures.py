@@ -6,8 +6,6 @@ module is asked whether its picture fits where a look at the dataset does not te
 table loads nothing, so that the command line can tell of pictures at no cost.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
@@ -35,22 +33,18 @@ def unreadable(message: str) -> PlotError:
     return PlotError("dataset", message, "Draw a result file that `vibrafeed run` wrote")
 
 
-def is_calibration(dataset: xarray.Dataset) -> bool:
+def is_calibration(dataset: "xarray.Dataset") -> bool:
     """True if a dataset is a calibration."""
     return "log_density" in dataset.data_vars and "unknowns" in dataset.attrs
 
 
-def is_pair(dataset: xarray.Dataset) -> bool:
+def is_pair(dataset: "xarray.Dataset") -> bool:
     """True if a dataset is the result of an impact of two bodies."""
     return {"position_x_1", "position_x_2"} <= {*dataset.coords}
 
 
-def _is_single(dataset: xarray.Dataset) -> bool:
+def _is_single(dataset: "xarray.Dataset") -> bool:
     return all(values.size == 1 for values in dataset.data_vars.values())
-
-
-def _is_motion(dataset: xarray.Dataset) -> bool:
-    return "cycle_time" in dataset.dims or ("motion_status" in dataset and _is_single(dataset))
 
 
 @dataclass(frozen=True)
@@ -73,15 +67,15 @@ class Picture:
     says: str
     home: str
     takes: tuple[str, ...] = ("variable", "axes", "at")
-    may_fit: Callable[[xarray.Dataset], bool] = lambda _: True
+    may_fit: "Callable[[xarray.Dataset], bool]" = lambda _: True
 
-    def fits(self, dataset: xarray.Dataset, options: Options) -> bool:
+    def fits(self, dataset: "xarray.Dataset", options: "Options") -> bool:
         """True if this picture is the default for a dataset."""
         return self.may_fit(dataset) and bool(
             import_module(f"{__package__}.{self.home}").fits(dataset, options)
         )
 
-    def draw(self, dataset: xarray.Dataset, options: Options) -> Figure:
+    def draw(self, dataset: "xarray.Dataset", options: "Options") -> "Figure":
         """Return the picture; raise `PlotError` if the dataset lacks what it needs.
 
         So does an option that this kind of picture does not take.
@@ -123,7 +117,9 @@ PICTURES = {
                 lambda dataset: "knee" in dataset),
         Picture("positions", "where the parts of a row are over time", "film", (),
                 lambda dataset: dataset.attrs.get("scene") == "row-on-plane"),
-        Picture("trajectory", "the motion of one part", "trajectory", (), _is_motion),
+        Picture("trajectory", "the motion of one part", "trajectory", (),
+                lambda dataset: "cycle_time" in dataset.dims
+                or ("motion_status" in dataset and _is_single(dataset))),
         Picture("animation", "the same, moving; a GIF file", "animation", (),
                 lambda _: False),
         Picture(

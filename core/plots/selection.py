@@ -1,7 +1,5 @@
 """The selection of what is drawn: the variable, its axes, and where other dimensions are held."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

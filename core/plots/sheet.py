@@ -1,7 +1,5 @@
 """One page about a result, for a customer: what it is of, what came out, what it assumes."""
 
-from __future__ import annotations
-
 import io
 import textwrap
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Spreads of outputs under uncertain parameters, and the posterior of a calibration."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Sequence
 from typing import NamedTuple

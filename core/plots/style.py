@@ -1,7 +1,5 @@
 """One style for all pictures, and numbers, units and names as a person reads them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -84,11 +82,6 @@ class Style:
         # Up to a colour on which lines are still seen.
         colours = matplotlib.colormaps["YlGnBu"](linspace(0.0, 0.8, 256))
         return ListedColormap(colours[::-1] if self.dark else colours, "one sign")
-
-    @property
-    def two_signs(self) -> Colormap:
-        """The colour map for values of both signs, with zero in the middle."""
-        return matplotlib.colormaps["berlin" if self.dark else "RdYlBu_r"]
 
     def on(self, colour: RGB) -> str:
         """Return a readable text colour on a colour: light or dark."""

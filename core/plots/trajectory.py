@@ -1,7 +1,5 @@
 """The motion of one part: of one on the moving track, or of one that tumbles."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple

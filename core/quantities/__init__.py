@@ -5,8 +5,6 @@ show are read from here. Inside the code all values are SI and angles are radian
 (studies, files, replies) angles are degrees. Axes of a study follow the order of the declaration.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from vibrafeed.core.quantities.drives import BOWL_TRACK, DRIVE, DRIVE_UNIT

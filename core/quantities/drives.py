@@ -1,7 +1,5 @@
 """Drives that are no plain sine, drive units, and the track of a bowl on one."""
 
-from __future__ import annotations
-
 from vibrafeed.core.quantities.quantity import Quantity, angle, friction, length, number, velocity
 
 # --- Drives that are no plain sine: harmonics on every axis, and steps of acceleration.

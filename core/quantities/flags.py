@@ -1,7 +1,5 @@
 """Regimes, statuses and modes: what a flag variable can say of a cell."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

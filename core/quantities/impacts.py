@@ -1,7 +1,5 @@
 """Isolated parts on a plane, and two bodies, 1 and 2, that collide."""
 
-from __future__ import annotations
-
 from vibrafeed.core.quantities.quantity import Quantity, acceleration, angle, force, velocity
 
 ISOLATED: dict[str, Quantity] = {

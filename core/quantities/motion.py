@@ -1,7 +1,5 @@
 """Motion in time: scales, settings, results; and what a search for the best values tells."""
 
-from __future__ import annotations
-
 from vibrafeed.core.quantities.flags import MOTION_STATUSES, OPTIMUM_STATUSES, Flag
 from vibrafeed.core.quantities.quantity import Quantity, acceleration, flag, number, velocity
 

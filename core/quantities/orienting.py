@@ -1,7 +1,5 @@
 """Resting parts, and the devices of a line that orient them."""
 
-from __future__ import annotations
-
 from vibrafeed.core.quantities.quantity import Quantity, length, number
 
 ASPECTS = {

@@ -1,7 +1,5 @@
 """The colours of regimes and levels of quantities, the same in every picture and on every page."""
 
-from __future__ import annotations
-
 LEVELS = {"throw_number": (1.0, "lift-off")}
 """A value of a quantity that is marked, and what begins there."""
 

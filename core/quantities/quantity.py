@@ -1,7 +1,5 @@
 """The record of a quantity (unit, symbol, label, bounds), and words for the angles' letters."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Rolling cylinders, balls, rollers, discs and cones."""
 
-from __future__ import annotations
-
 from vibrafeed.core.quantities.quantity import (
     Quantity,
     acceleration,

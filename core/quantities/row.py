@@ -1,7 +1,5 @@
 """Rows of parts in one lane: each part's own numbers, the flow, and the force on what holds it."""
 
-from __future__ import annotations
-
 from vibrafeed.core.quantities.quantity import Quantity, length, number, velocity
 
 MAX_NUMBERED = 10

@@ -1,7 +1,5 @@
 """Drive, track, contact and part, and what the closed forms of a track give."""
 
-from __future__ import annotations
-
 from vibrafeed.core.quantities.flags import REGIMES
 from vibrafeed.core.quantities.quantity import (
     Quantity,

@@ -4,8 +4,6 @@ A linear unit has trough and base, on a line through both mass centres, on feet;
 tilted from the vertical by the angle of the line above the horizontal.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics import drive_unit
@@ -261,8 +259,18 @@ STROKES = frozenset(
     )
 )
 LIMITS = (
-    Condition("hits_magnet", drive_unit.hits_magnet, frozenset(("air_gap_margin",))),
-    Condition("overstressed", drive_unit.is_overstressed, frozenset(("stress_margin",))),
+    Condition(
+        "hits_magnet",
+        lambda *, air_gap_margin: air_gap_margin <= 0,
+        frozenset(("air_gap_margin",)),
+        says="True where the stroke closes the air gap.",
+    ),
+    Condition(
+        "overstressed",
+        lambda *, stress_margin: stress_margin < 0,
+        frozenset(("stress_margin",)),
+        says="True where the leaves bend by more than they may.",
+    ),
 )
 
 
@@ -273,8 +281,21 @@ def tuning(*outputs: str) -> tuple[Condition, ...]:
     """
     concerned = STROKES | frozenset(outputs)
     return (
-        Condition("resonance", drive_unit.is_at_resonance, concerned),
-        Condition("tuned_stiff", drive_unit.is_tuned_stiff, concerned, otherwise="tuned_soft"),
+        Condition(
+            "resonance",
+            lambda *, natural_frequency, frequency, damping_ratio: (
+                np.abs(natural_frequency / frequency - 1) < damping_ratio
+            ),
+            concerned,
+            says="True where the drive is within the damping ratio of the natural frequency.",
+        ),
+        Condition(
+            "tuned_stiff",
+            lambda *, natural_frequency, frequency: natural_frequency > frequency,
+            concerned,
+            otherwise="tuned_soft",
+            says="True where the unit is tuned above its drive.",
+        ),
     )
 
 
@@ -317,7 +338,12 @@ _RESONANCE, *_SIDES = tuning("foot_force")
 LINEAR_CONDITIONS = (
     *LIMITS,
     _RESONANCE,
-    Condition("isolation_poor", drive_unit.is_poorly_isolated, frozenset(("foot_force",))),
+    Condition(
+        "isolation_poor",
+        lambda *, foot_frequency, frequency: foot_frequency > frequency / 3,
+        frozenset(("foot_force",)),
+        says="True where the unit rocks on its feet at more than a third of the drive's frequency.",
+    ),
     *_SIDES,
 )
 OF_TURNING = (*LIMITS, *tuning("trough_turn"))

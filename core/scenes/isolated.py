@@ -1,7 +1,5 @@
 """Isolated parts on one corner: a rectangle, and a cylinder in the plane of its axis."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -78,8 +76,9 @@ FORCES = frozenset(
     )
 )
 CONDITIONS = (
-    Condition("invalid_geometry", corner.another_corner_is_lower,
-              FORCES | {"limiting_friction_right", "limiting_friction_left"}),
+    Condition("invalid_geometry", lambda *, pitch: (pitch < 0) | (pitch > np.pi / 2),
+              FORCES | {"limiting_friction_right", "limiting_friction_left"},
+              says="True where another corner would be in the plane: xi < 0 or xi > 90 degrees."),
     *(
         Condition(regime, partial(corner.is_case, case), FORCES, otherwise, says=f"True {says}.")
         for regime, case, otherwise, says in (
@@ -94,15 +93,17 @@ CONDITIONS = (
     ),
     Condition(
         "unbounded",
-        corner.right_is_unlimited,
+        lambda *, inverse_limiting_friction: inverse_limiting_friction <= 0,
         frozenset(("limiting_friction_right",)),
         otherwise="contact",
+        says="True where slip to the right has one solution at every friction.",
     ),
     Condition(
         "unbounded",
-        corner.left_is_unlimited,
+        lambda *, inverse_limiting_friction: inverse_limiting_friction >= 0,
         frozenset(("limiting_friction_left",)),
         otherwise="contact",
+        says="True where slip to the left has one solution at every friction.",
     ),
 )  # fmt: skip
 

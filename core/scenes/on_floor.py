@@ -1,7 +1,5 @@
 """Parts on the floor of plane or track, at the drive's peak; sections 3.2, 3.3 of the source."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from vibrafeed.core.mechanics import floor, rolling, travel, wall
@@ -260,15 +258,25 @@ WALL = BOTH | {"wall_balance", "acceleration_y"}
 
 CORNERS_FIT = Condition(
     "invalid_geometry",
-    wall.rear_corner_lifts,
+    lambda *, width, length, radius, friction_kinetic: (
+        (length <= friction_kinetic * width) | (length >= 2 * radius)
+    ),
     frozenset(("wall_force_rear", "wall_force_front")),
     otherwise="contact",
+    says="True where not both corners touch the wall: h <= mu_k a, or h >= 2R.",
 )
 FITS = Condition(
     "invalid_geometry", wall.is_too_long, frozenset(("chord_cosine",)), otherwise="contact"
 )
 LEFT_FLOOR = (
-    Condition("flight_and_wall_lost", wall.has_left_floor_and_wall, BOTH),
+    Condition(
+        "flight_and_wall_lost",
+        lambda *, normal_acceleration, wall_balance: (
+            (normal_acceleration <= 0) & (wall_balance < 0)
+        ),
+        BOTH,
+        says="True where the part has left floor and wall.",
+    ),
     Condition(
         "flight",
         floor.has_left_floor,
@@ -285,12 +293,28 @@ REST = (
         frozenset(("transport_velocity", "travel_time", "mean_velocity")),
     ),
     Condition(
-        "stopped", travel.stops_before_time, frozenset(("velocity_at_time", "distance_at_time"))
+        "stopped",
+        lambda *, stopping_time, time: stopping_time <= time,
+        frozenset(("velocity_at_time", "distance_at_time")),
+        says="True where the part stops before, or at, the time.",
     ),
 )
-LEFT_WALL = Condition("wall_lost", wall.has_left_wall, WALL, otherwise="contact")
+LEFT_WALL = Condition(
+    "wall_lost",
+    lambda *, wall_balance: wall_balance < 0,
+    WALL,
+    otherwise="contact",
+    says="True where the part has left the wall: B < 0.",
+)
 BEYOND = (
-    Condition("unbounded", travel.grows_without_bound, frozenset(("terminal_velocity",))),
+    Condition(
+        "unbounded",
+        lambda *, starting_acceleration, friction_kinetic: (
+            (starting_acceleration > 0) & (friction_kinetic == 0)
+        ),
+        frozenset(("terminal_velocity",)),
+        says="True where no terminal velocity exists: drive without friction.",
+    ),
     *(
         Condition(
             "unbounded", partial(travel.is_endless, name), frozenset((name, *others)),
@@ -317,7 +341,10 @@ BEYOND = (
 )  # fmt: skip
 PRINTED_CONDITIONS = (
     Condition(
-        "invalid_geometry", wall.topples_on_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}
+        "invalid_geometry",
+        lambda *, width, height, friction_static: 2 * height <= friction_static * width,
+        WALL_FORCES | FLOOR_FORCES | {"z_residual"},
+        says="True where (3.16) does not hold: 2b <= mu_s a.",
     ),
     CORNERS_FIT,
     FITS,
@@ -325,7 +352,13 @@ PRINTED_CONDITIONS = (
     *REST,
     Condition("no_motion", travel.does_not_start, ACCELERATION, otherwise="slip"),
     LEFT_WALL,
-    Condition("outside_cone", wall.presses_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}),
+    Condition(
+        "outside_cone",
+        lambda *, wall_balance: wall_balance > 0,
+        WALL_FORCES | FLOOR_FORCES | {"z_residual"},
+        says="True where the part presses on the wall, so that the forces of (3.15) leave the "
+        "cone.",
+    ),
     *BEYOND,
 )
 

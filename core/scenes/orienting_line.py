@@ -4,8 +4,6 @@ Its devices are those whose numbers a study gives: `wiper_height_1` is a wiper a
 The scene is fitted to a study before that is planned: a line of two devices knows no others.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Collection
@@ -362,7 +360,10 @@ SCENE = Scene(
     variants={shape: any_line(shape) for shape in SHAPES},
     default_variant="box",
     conditions={
-        shape: (Condition("no_pass", orienting.lets_none_pass, OF_LINE, otherwise="passes"),)
+        shape: (
+            Condition("no_pass", lambda *, line: line.total <= 0, OF_LINE, "passes",
+                      says="True where no part passes."),
+        )
         for shape in SHAPES
     },
     defaults={"delta": 0.0, "devices": 0.0, **{f"turn_{place}": 21.0 for place in POSITIONS}},

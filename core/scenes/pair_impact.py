@@ -7,8 +7,6 @@ What the source prints, (3.24) and (3.44), drives the bodies into each other and
 (theory 5.4, 8.3).
 """
 
-from __future__ import annotations
-
 from functools import partial
 from types import ModuleType
 

@@ -1,7 +1,5 @@
 """A part that is let down or thrown: how it comes to rest; and when it topples, standing."""
 
-from __future__ import annotations
-
 from vibrafeed.core.mechanics import resting
 from vibrafeed.core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -102,7 +100,12 @@ def lying(shape: str, outputs: frozenset[str]) -> tuple[Condition, ...]:
     if ASPECTS[shape][0] != "upright":
         return ()
     return (
-        Condition("invalid_geometry", resting.has_centre_outside, outputs),
+        Condition(
+            "invalid_geometry",
+            lambda *, height, mass_height: mass_height >= height,
+            outputs,
+            says="True where the centre of mass is not between both ends.",
+        ),
         Condition("unstable_side", resting.is_side_unstable, outputs, otherwise="contact"),
     )
 
@@ -184,7 +187,13 @@ def conditions(shape: str) -> tuple[Condition, ...]:
     shares = frozenset(f"{kind}_{name}" for kind in SHARES for name in ASPECTS[shape])
     return (
         *lying(shape, shares),
-        Condition("stands", resting.never_rocks, frozenset(("rocking_margin",)), "may_topple"),
+        Condition(
+            "stands",
+            lambda *, rocking_margin: rocking_margin <= 0,
+            frozenset(("rocking_margin",)),
+            "may_topple",
+            says="True where a part does not even begin to rock.",
+        ),
         Condition("may_topple", resting.may_topple, frozenset(("topple_margin",)), "stands"),
     )
 

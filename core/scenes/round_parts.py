@@ -1,7 +1,5 @@
 """Round parts that roll: rollers, balls, cones, cylinders that turn, discs on their edge."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -289,8 +287,18 @@ ROLLING_CONDITIONS = (
         LOADS | ROLLING | {"required_friction", "printed_yaw_rate"},
         "contact",
     ),
-    Condition("tipping", screws.tips_along_axis, ROLLING | {"required_friction"}),
-    Condition("singular", screws.has_no_printed_yaw_rate, frozenset(("printed_yaw_rate",))),
+    Condition(
+        "tipping",
+        lambda *, pressure_offset_axial, length: np.abs(pressure_offset_axial) > length / 2,
+        ROLLING | {"required_friction"},
+        says="True where the floor's normal force would leave the cylinder: |e| > L/2, it tips.",
+    ),
+    Condition(
+        "singular",
+        lambda *, printed_yaw_rate: ~np.isfinite(printed_yaw_rate),
+        frozenset(("printed_yaw_rate",)),
+        says="True where (4.20) has no value: without spin, or too little for a float.",
+    ),
     Condition("singular", screws.has_no_force_axis, FORCE_AXIS),
     Condition("slip", screws.slips, ROLLING, otherwise="roll"),
 )
@@ -400,7 +408,11 @@ DISC_SCENE = Scene(
         "physical": (
             Condition("flight", floor.has_left_floor, LOADS | DISC_MOTION, otherwise="contact"),
             Condition(
-                "wall_lost", round_parts.leaves_wall, WALL | DISC_MOTION, otherwise="contact"
+                "wall_lost",
+                lambda *, wall_balance: wall_balance < 0,
+                WALL | DISC_MOTION,
+                otherwise="contact",
+                says="True where nothing presses the disc onto the wall: its load is below 0.",
             ),
             Condition("singular", screws.has_no_force_axis, FORCE_AXIS),
             Condition("stick", round_parts.is_held, DISC_MOTION),

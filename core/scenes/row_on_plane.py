@@ -4,8 +4,6 @@ Closed forms (theory 17.5). Parts are equal, their faces smooth; a row moves wit
 one part. Arrays broadcast; SI units, rates in 1/s but where a unit is given.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.mechanics import floor

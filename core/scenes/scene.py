@@ -1,7 +1,5 @@
 """The record of a scene: equations by variant, defaults, and the conditions of its regimes."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -257,9 +255,9 @@ class Scene:
     )
     seconds_a_cell: float = 1e-8
     rounding_bound: int | None = None
-    fit: Callable[[Scene, Collection[str]], Scene] | None = None
+    fit: "Callable[[Scene, Collection[str]], Scene] | None" = None
 
-    def fitted(self, names: Collection[str]) -> Scene:
+    def fitted(self, names: Collection[str]) -> "Scene":
         """Return the scene fitted to a study's parameters; by default the scene itself."""
         return self if self.fit is None else self.fit(self, names)
 

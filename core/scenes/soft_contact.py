@@ -3,11 +3,9 @@
 Arrays broadcast; SI units.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from vibrafeed.core.mechanics.arrays import Array, Mask, ratio
+from vibrafeed.core.mechanics.arrays import Array, ratio
 from vibrafeed.core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
 
 STEPS, OUTER_STEPS, DAMPING_STEPS = 7, 7, 8
@@ -122,11 +120,6 @@ def damping_of_restitution(*, restitution: Array) -> Array:
     return np.where(some, zeta, np.inf)
 
 
-def needs_endless_damping(*, restitution: Array) -> Mask:
-    """True where the restitution is 0, which no finite damping gives."""
-    return restitution == 0
-
-
 # --- when contacts are rigid
 
 
@@ -143,11 +136,6 @@ def lining_sag(*, lining_stiffness: Array, mass: Array, gravity: Array) -> Array
 def stiffness_ratio(*, lining_frequency: Array, frequency: Array) -> Array:
     """Return the natural frequency of a part on its lining over that of the drive, f_c/f [1]."""
     return lining_frequency / frequency
-
-
-def is_soft(*, stiffness_ratio: Array) -> Mask:
-    """True where the lining is too soft for rigid contacts: f_c < 5 f."""
-    return stiffness_ratio < LEAST_RATIO
 
 
 def hertz_depth(
@@ -185,11 +173,18 @@ EQUATIONS = (
 CONDITIONS = (
     Condition(
         "unbounded",
-        needs_endless_damping,
+        lambda *, restitution: restitution == 0,
         frozenset(("damping_of_restitution", "impact_damping")),
         otherwise="contact",
+        says="True where the restitution is 0, which no finite damping gives.",
     ),
-    Condition("soft_contact", is_soft, frozenset(("stiffness_ratio",)), otherwise="contact"),
+    Condition(
+        "soft_contact",
+        lambda *, stiffness_ratio: stiffness_ratio < LEAST_RATIO,
+        frozenset(("stiffness_ratio",)),
+        otherwise="contact",
+        says="True where the lining is too soft for rigid contacts: f_c < 5 f.",
+    ),
 )
 
 SCENE = Scene(

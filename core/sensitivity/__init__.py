@@ -1,7 +1,5 @@
 """Parameters that are not known exactly: how outputs vary with them, and which one matters."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily

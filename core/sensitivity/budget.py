@@ -6,8 +6,6 @@ follow; both hold for small tolerances. The worst case: the least and the larges
 whole box, of its corners and of points inside.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

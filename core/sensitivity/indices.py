@@ -12,9 +12,6 @@ Computer Physics Communications 181 (2010) 259, table 2 (b) and (f), the latter 
 once, points without a value, and intervals from scramblings.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -91,36 +88,3 @@ def indices_of(values: Array) -> Indices:
         first, total = estimate(sums.sum(axis=1))
         first_error, total_error = error_of_mean(estimate(sums), axis=1)
     return Indices(first, first_error, total, total_error)
-
-
-def sobol_indices(
-    function: Callable[[Array], Array], inputs: int, samples: int, seed: int = 0
-) -> Indices:
-    """Return the Sobol indices of a function of inputs uniform between 0 and 1.
-
-    Parameters
-    ----------
-    function : callable
-        Takes points (inputs, n), returns values (n,) or (m, n) of m functions.
-    inputs : int
-        Their number.
-    samples : int
-        A power of two; the function is evaluated (inputs + 2) times as often.
-    seed : int
-        Another one draws other points.
-
-    Returns
-    -------
-    Indices
-        Arrays of shape (inputs,), or (m, inputs).
-
-    Examples
-    --------
-    >>> from vibrafeed.core.sensitivity.indices import sobol_indices
-    >>> found = sobol_indices(lambda x: x[0] + 2 * x[1], inputs=2, samples=1024)
-    >>> found.first.round(3).tolist()
-    [0.2, 0.8]
-    """
-    at = design(inputs, samples // REPLICATES, seed)
-    values = np.asarray(function(at.reshape(inputs, -1)), dtype=np.float64)
-    return indices_of(values.reshape(*values.shape[:-1], *at.shape[1:]))

@@ -1,24 +1,24 @@
 """From a study of uncertain parameters to what can be carried out, and what comes of it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
+from math import prod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.prepare import choose_problem_scene, drive_refusal
 from vibrafeed.core.plan.grid import Grid, to_si
-from vibrafeed.core.plan.kind import Sketch
+from vibrafeed.core.plan.labels import ResultVariable
+from vibrafeed.core.plan.pieces import Sketch
 from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.plan.prepared import Chosen, Prepared, locate_problem, plan_study
-from vibrafeed.core.plan.price import Price, price
+from vibrafeed.core.plan.prepared import Chosen, Prepared, Price, locate_problem, plan_study, price
 from vibrafeed.core.plan.statistics import INTERVAL, LEVELS
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.quantities.quantity import in_sentence
@@ -36,56 +36,12 @@ LEVEL = "level"
 """The dimension of the quantiles of which a whole distribution is drawn."""
 
 
-@dataclass(frozen=True)
-class ResultVariable:
-    """A variable of the result.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    over : str
-        Its dimension besides those of the grid; empty for none.
-    unit : str
-        Its unit.
-    label, comment : str
-        Short name and description.
-    more : mapping
-        Further attributes.
-    """
-
-    name: str
-    over: str
-    unit: str
-    label: str
-    comment: str
-    more: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def attributes(self) -> Mapping[str, Any]:
-        """The CF attributes of the variable."""
-        return {"units": self.unit, "long_name": self.label, "comment": self.comment} | dict(
-            self.more
-        )
-
-
-def result_variables(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[ResultVariable]:
-    """Yield every variable of the result of a study with uncertain parameters, except `regime`.
-
-    Those of demands come first, then those of each output, with name, unit and description.
-    """
-    for demand in study.demands:
-        yield from _of_demand(demand)
-    for name in outputs:
-        yield from _of_output(study, name)
-
-
 def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
     name = f"probability_{demand.name}"
     what = f"robability of {in_words(demand)}"
     comment = "Points without a valid value count as not meeting it."
-    yield ResultVariable(name, "", "1", f"P{what}", comment, demand.model_dump(exclude_none=True))
-    yield ResultVariable(f"{name}_error", "", "1", f"Error of the p{what}", INTERVAL)
+    yield ResultVariable(name, (), "1", f"P{what}", comment, demand.model_dump(exclude_none=True))
+    yield ResultVariable(f"{name}_error", (), "1", f"Error of the p{what}", INTERVAL)
 
 
 def in_words(demand: Demand) -> str:
@@ -111,7 +67,8 @@ def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
     def variable(
         part: str, words: str, comment: str, over: str = "", unit: str = unit
     ) -> ResultVariable:
-        return ResultVariable(f"{name}_{part}", over, unit, f"{words} of the {what}", comment)
+        dims = (over,) if over else ()
+        return ResultVariable(f"{name}_{part}", dims, unit, f"{words} of the {what}", comment)
 
     def with_error(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Any:
         yield variable(part, words, comment, over, unit)
@@ -191,7 +148,9 @@ class Sensitivity(Prepared):
     @cached_property
     def result_variables(self) -> dict[str, ResultVariable]:
         """Every variable of the result except the verdicts."""
-        return {one.name: one for one in result_variables(self.study, self.outputs)}
+        of_outputs = (_of_output(self.study, name) for name in self.outputs)
+        found = chain(*map(_of_demand, self.study.demands), *of_outputs)
+        return {one.name: one for one in found}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
@@ -201,9 +160,7 @@ class Sensitivity(Prepared):
         quantiles or levels.
         """
         axes = tuple(self.grid.axes)
-        found = {
-            n: (one.over, *axes) if one.over else axes for n, one in self.result_variables.items()
-        }
+        found = {name: (*one.dims, *axes) for name, one in self.result_variables.items()}
         return {**found, **dict.fromkeys(self.plan.verdict_names, axes)}
 
     @cached_property
@@ -222,13 +179,9 @@ class Sensitivity(Prepared):
     @property
     def bytes(self) -> int:
         """The bytes of the result, uncompressed."""
-        each = sum(8 * self.sizes.get(one.over, 1) for one in self.result_variables.values())
-        return self.cells * (each + 1)
-
-    @property
-    def computed_bytes(self) -> int:
-        """The bytes of the result as computed."""
-        return self.bytes
+        sizes = self.sizes
+        each = (prod(sizes[dim] for dim in one.dims) for one in self.result_variables.values())
+        return self.cells * (8 * sum(each) + 1)
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Return values unchanged: they are computed in the units of files."""
@@ -248,17 +201,13 @@ class Sensitivity(Prepared):
         rough = None
         if any(equation.takes_long for equation in self.plan.equations):
             rough = methods_of(self.plan.scene.name)[self.plan.variant].seconds_a_cell
-        one = price(self.plan, self.grid, rough, self._ends)
+        ends = {
+            name: tuple(to_si(name, np.array(tolerance(name, one))).tolist())
+            for name, one in self.uncertain.items()
+        }
+        one = price(self.plan, self.grid, rough, ends)
         counting = COUNT_SECONDS * len(self.plan.outputs)
         return Price(one.start, self.evaluations * (one.cell + counting))
-
-    @property
-    def _ends(self) -> dict[str, tuple[float, float]]:
-        ends = {}
-        for name, uncertain in self.uncertain.items():
-            low, high = to_si(name, np.array(tolerance(name, uncertain))).tolist()
-            ends[name] = low, high
-        return ends
 
     def what_fits(self, share: float) -> str:
         """Return a sentence that says how to shrink the study to a share of its size."""
@@ -281,14 +230,10 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     """Return a study with uncertain parameters as checked and planned, ready to be computed."""
     uncertain, asked = study.distributions(), study.asked()
     if not uncertain:
-        raise StudyError(
-            [
-                Problem(
-                    "uncertain",
-                    "no parameter is uncertain",
-                    "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }",
-                )
-            ]
+        raise refused(
+            "uncertain",
+            "no parameter is uncertain",
+            "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }",
         )
     problems = [*_problems_of(study)]
     given = (*study.values(), *uncertain)
@@ -305,10 +250,9 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
         told = [*problems, *(locate_problem(one, study) for one in error.problems)]
         raise StudyError(told) from None
     problems += _problems_of_regimes(study, plan)
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     prepared = Sensitivity(study, plan, Grid.of(values))
-    _check_size(prepared)
+    raise_any(_problems_of_size(prepared))
     return prepared
 
 
@@ -417,36 +361,24 @@ def _unclear(demand: Demand) -> tuple[str, str] | None:
 def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
     for number, demand in enumerate(study.demands):
         if demand.regime is not None and demand.regime not in plan.regimes:
+            message, fix = f"'{demand.regime}' is not a regime", suggestion(demand.regime, REGIMES)
             if demand.regime in REGIMES:
                 fix = f"Those of these outputs are {', '.join(plan.regimes)}"
-                message = f"'{demand.regime}' is not a regime of these outputs"
-            else:
-                message, fix = (
-                    f"'{demand.regime}' is not a regime",
-                    suggestion(demand.regime, REGIMES),
-                )
+                message += " of these outputs"
             yield Problem(f"demands.{number}.regime", message, fix)
 
 
-def _check_size(prepared: Sensitivity) -> None:
+def _problems_of_size(prepared: Sensitivity) -> Iterable[Problem]:
     outputs, each = len(prepared.plan.outputs), prepared.evaluations
     if each * outputs > MAX_VALUES:
-        raise StudyError(
-            [
-                Problem(
-                    "samples",
-                    f"each design takes {each:,} evaluations of {outputs} outputs",
-                    f"Take fewer samples or outputs: {MAX_VALUES:,} values a design at most",
-                )
-            ]
+        yield Problem(
+            "samples",
+            f"each design takes {each:,} evaluations of {outputs} outputs",
+            f"Take fewer samples or outputs: {MAX_VALUES:,} values a design at most",
         )
-    if each * prepared.cells > MAX_EVALUATIONS:
-        raise StudyError(
-            [
-                Problem(
-                    "samples",
-                    f"{prepared.cells:,} designs take {each:,} evaluations each",
-                    f"Take fewer designs or samples: {MAX_EVALUATIONS:,} evaluations at most",
-                )
-            ]
+    elif each * prepared.cells > MAX_EVALUATIONS:
+        yield Problem(
+            "samples",
+            f"{prepared.cells:,} designs take {each:,} evaluations each",
+            f"Take fewer designs or samples: {MAX_EVALUATIONS:,} evaluations at most",
         )

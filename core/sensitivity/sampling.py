@@ -1,7 +1,5 @@
 """Carrying out a study of uncertain parameters: points, outputs, what is told of them."""
 
-from __future__ import annotations
-
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -16,11 +14,10 @@ from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan import statistics
-from vibrafeed.core.plan.equations import regimes, run_equations
 from vibrafeed.core.plan.grid import from_si
-from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import coordinates_of, global_attributes, verdict_variables
-from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.pieces import Computed, Kind
+from vibrafeed.core.plan.plan import regimes, run_equations
 from vibrafeed.core.plan.statistics import LEVELS, REPLICATES, values_at
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.scenes import SCENES

@@ -1,7 +1,5 @@
 """Studies as users write them, with their units and ranges."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily

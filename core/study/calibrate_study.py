@@ -1,7 +1,5 @@
 """The study of what measured speeds tell of parameters that nobody knows."""
 
-from __future__ import annotations
-
 import reprlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace

@@ -4,8 +4,6 @@ All are cut at the bounds of the quantity, such as a friction of 0, and scaled s
 is the whole: nothing that is drawn is impossible. Numbers are in the unit of studies.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

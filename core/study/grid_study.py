@@ -1,7 +1,5 @@
 """Base classes of all studies: frozen models without unknown keys, of files and requests."""
 
-from __future__ import annotations
-
 import hashlib
 import html
 import json

@@ -1,7 +1,5 @@
 """The study of the best values of some parameters over a grid of the others."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 

@@ -1,7 +1,5 @@
 """The section `[reduce]` of a study of closed forms or of motion: statistics instead of cells."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass

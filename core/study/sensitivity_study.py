@@ -1,7 +1,5 @@
 """The study of outputs over parameters that are not known exactly, at each point of a grid."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, field_validator

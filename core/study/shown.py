@@ -3,8 +3,6 @@
 Files and replies hold the units of `vibrafeed.core.quantities`; screens and pictures show these.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType

@@ -1,13 +1,11 @@
 """The study of motion in time over a grid."""
 
-from __future__ import annotations
-
 import reprlib
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, AliasChoices, Field, PlainValidator, WithJsonSchema
+from pydantic import AliasChoices, Field, PlainValidator, WithJsonSchema
 
 from vibrafeed.core.study.grid_study import (
     MAX_OUTPUTS,
@@ -187,14 +185,6 @@ class SweepStudy(Study):
         description="Names of the outputs.", min_length=1, max_length=MAX_OUTPUTS
     )
     sensitivities: Sensitivities = None
-    precision: Annotated[
-        Literal["double", "single"] | None,
-        AfterValidator(lambda value: None if value == "double" else value),  # equal studies agree
-    ] = Field(
-        None,
-        description="double (64-bit floats, the default) or single: values are computed in double "
-        "and stored in 32 bits, half the bytes, each rounded once more by at most 6e-8 of itself.",
-    )
     reduce: Reduction | None = Field(
         None, description="Statistics over some axes instead of all cells: docs/reduce.md."
     )

@@ -1,7 +1,5 @@
 """Units, read once: text such as ``"0.5 mm"`` becomes a number in the quantity's own unit."""
 
-from __future__ import annotations
-
 import functools
 import math
 import re

@@ -4,8 +4,6 @@ One table of usual values, that of `vibrafeed.core.quantities`, judges what is t
 a table of observations, and what was fitted to a recording.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final

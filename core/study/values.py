@@ -4,8 +4,6 @@ They are kept as the user wrote them, in the quantity's unit, and become an arra
 for: the size of a sweep is known, and checked, before anything is allocated.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Mapping

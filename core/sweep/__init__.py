@@ -1,7 +1,5 @@
 """Closed-form sweeps: from a study to a plan, a grid, and a labelled dataset."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 from vibrafeed.core.deferred import lazily

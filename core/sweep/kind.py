@@ -1,21 +1,18 @@
 """The kind `sweep`: from a study to closed forms over a grid, and their labelled results."""
 
-from __future__ import annotations
-
+from collections.abc import Iterable
 from functools import cached_property
-from typing import Any, ClassVar, Final
+from typing import ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibrafeed.core.dataset.table import Table
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.lazy.reduced import Reduced
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.differences import Asked, asked_of, cells_of, derivatives
 from vibrafeed.core.plan.evaluate import evaluate
-from vibrafeed.core.plan.kind import Kind
 from vibrafeed.core.plan.labels import (
     Sample,
     coordinates_of,
@@ -23,10 +20,9 @@ from vibrafeed.core.plan.labels import (
     outputs_of,
     verdict_variables,
 )
-from vibrafeed.core.plan.pieces import Computed
+from vibrafeed.core.plan.pieces import Computed, Kind
 from vibrafeed.core.plan.plan import choose_scene
-from vibrafeed.core.plan.prepared import Prepared, plan_study
-from vibrafeed.core.plan.price import Price
+from vibrafeed.core.plan.prepared import Prepared, Price, plan_study
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.sweep_and_simulate import SweepStudy
 from vibrafeed.core.sweep.verify import accuracy, verified
@@ -45,8 +41,9 @@ class Sweep(Prepared):
         """The problem with computing cells on reading: derivatives need the whole grid."""
         if not self.study.sensitivities:
             return None
-        message = "derivatives are computed as a whole, not where read"
-        return Problem("sensitivities", message, "Leave it out")
+        return Problem(
+            "sensitivities", "derivatives are computed as a whole, not where read", "Leave it out"
+        )
 
     @cached_property
     def derived(self) -> Asked | None:
@@ -57,27 +54,6 @@ class Sweep(Prepared):
     def _new_price(self) -> Price:
         passes = 1 if self.derived is None else self.derived.passes
         return Price(0.0, passes * super()._new_price().cell)
-
-    @property
-    def is_single(self) -> bool:
-        """True if values are stored in 32 bits."""
-        return self.study.precision == "single"
-
-    def width(self, name: str) -> int:
-        """Return the bytes of a stored value."""
-        return min(super().width(name), 4) if self.is_single else super().width(name)
-
-    def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values of an output in the units of files, in 32 bits if the study asks.
-
-        `name` is the output, `values` are in SI units and radians. What is too large for 32 bits is
-        infinite.
-        """
-        values = super().in_files(name, values)
-        if not self.is_single or values.dtype != np.float64:
-            return values
-        with np.errstate(over="ignore"):  # what is too large for 32 bits is infinite
-            return values.astype(np.float32)
 
 
 class ReducedSweep(Reduced):
@@ -111,30 +87,31 @@ def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
         With every problem of scene, outputs, parameters, and of what is asked of them.
     """
     asked = study.reduce
-    problems = [] if asked is None else problems_of_names(asked, study.outputs, study.values())
-    if asked is not None and study.precision is not None:
-        message = "it says how cells are stored, and reduce stores none"
-        problems.append(Problem("precision", message, "Leave it out"))
-    if study.sensitivities and (asked is not None or study.precision is not None):
-        other = "reduce" if asked is not None else "precision"
-        message = f"derivatives are given with all cells, in 64 bits; the study has {other} too"
-        problems.append(
-            Problem("sensitivities", message, f"Remove either sensitivities or {other}")
-        )
+    problems = [*_problems_of_form(study)]
     try:
         plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     if asked is None:
-        if problems:
-            raise StudyError(problems)
+        raise_any(problems)
         sweep = Sweep(study, plan, grid)
         _ = sweep.derived  # which raises what is wrong with it
         return sweep.check_verification()
     problems += problems_of(asked, plan, grid)
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     return ReducedSweep(study, plan, grid).check_verification()
+
+
+def _problems_of_form(study: SweepStudy) -> Iterable[Problem]:
+    asked = study.reduce
+    if asked is not None:
+        yield from problems_of_names(asked, study.outputs, study.values())
+    if asked is not None and study.sensitivities:
+        yield Problem(
+            "sensitivities",
+            "derivatives are given with all cells; the study has reduce too",
+            "Remove either sensitivities or reduce",
+        )
 
 
 def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
@@ -184,10 +161,8 @@ def verified_alone(prepared: Prepared, watch: Watch) -> dict[str, str | int]:
 
 def attributes_of(prepared: Prepared) -> dict[str, str]:
     """Return attributes of a sweep's result known before computing: study, source and accuracy."""
-    told = accuracy(prepared.plan.scene)
-    if getattr(prepared.study, "precision", None) == "single":
-        told += "; then rounded to 32-bit floats, by at most 6e-8 of each value"
-    return {**global_attributes(prepared, "closed-form equations"), "accuracy": told}
+    form = "closed-form equations"
+    return {**global_attributes(prepared, form), "accuracy": accuracy(prepared.plan.scene)}
 
 
 KIND: Final = Kind(

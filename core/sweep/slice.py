@@ -1,7 +1,5 @@
 """Cutting a sweep: one output over a few free axes, all others fixed at one of their values."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +12,7 @@ from vibrafeed.core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
-from vibrafeed.core.errors import LimitError, Problem, StudyError
+from vibrafeed.core.errors import LimitError, Problem, raise_any
 from vibrafeed.core.plan.evaluate import evaluate
 from vibrafeed.core.plan.grid import Grid, from_si
 from vibrafeed.core.plan.labels import link_to_verdict
@@ -49,43 +47,6 @@ class SliceCut:
     grid: Grid
 
 
-def cut(
-    sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
-) -> dict[str, Any]:
-    """Return an output and its regime over one or two axes of a sweep.
-
-    Only the slice is computed, by the equations that this output needs.
-
-    Parameters
-    ----------
-    sweep : Prepared
-        The sweep to cut.
-    output : str
-        One of its outputs or verdicts.
-    axes : sequence of str
-        The free axes, outermost first; axes that the output does not depend on are left out.
-    at : mapping of str to str
-        A value, with or without unit, for every other axis that the output or its regime needs.
-    most : int
-        Largest number of values.
-
-    Returns
-    -------
-    dict
-        Plain values and arrays: ``output``, ``unit``, ``judged`` (whether the regime judges the
-        output, or it always holds), ``axes``, ``values``, ``regime`` (each with its ``dims``),
-        ``regimes``, ``fixed``.
-
-    Raises
-    ------
-    StudyError
-        With every problem of the request.
-    LimitError
-        If it has more than `most` values.
-    """
-    return compute_slice(prepare_cut(sweep, output=output, axes=axes, at=at, most=most))
-
-
 def prepare_cut(
     sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
 ) -> SliceCut:
@@ -110,8 +71,7 @@ def prepare_cut(
     axes = [*map(letter_of, axes)]
     at, twice = by_letters(at)
     problems = [*twice, *_problems(sweep, output, axes, at)]
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     whole = sweep.grid
     plan = _plan_of(sweep, output)
     free = [name for name in dict.fromkeys(axes) if name in plan.parameters]
@@ -122,8 +82,7 @@ def prepare_cut(
                 fixed[name] = _value_on_axis(whole, name, at)
             except UnitError as error:
                 problems.append(problem(name, error))
-    if problems:
-        raise StudyError(problems)
+    raise_any(problems)
     grid = Grid(
         {name: whole.axes[name] for name in free},
         {**{n: v for n, v in whole.fixed.items() if n in plan.parameters}, **fixed},
@@ -213,8 +172,9 @@ def _problems(
     known, suggest = sweep.grid.axes, Suggestions()
     outputs = (*sweep.plan.outputs, *sweep.plan.verdict_names)
     if output not in outputs:
-        fix = suggest(output, outputs)
-        yield Problem("output", f"'{output}' is not an output of this sweep", fix)
+        yield Problem(
+            "output", f"'{output}' is not an output of this sweep", suggest(output, outputs)
+        )
     if not 1 <= len(axes) <= MAX_AXES:
         yield Problem(
             "axes",
@@ -223,17 +183,18 @@ def _problems(
         )
     for name in axes:
         if name not in known:
-            fix = suggest(name, known)
-            yield Problem("axes", f"'{name}' is not an axis of this sweep", fix)
+            yield Problem("axes", f"'{name}' is not an axis of this sweep", suggest(name, known))
     if len(set(axes)) < len(axes):
         yield Problem("axes", "axes names an axis twice", "Name each axis once")
     for name in at:
         if name not in known:
-            fix = suggest(name, known)
-            yield Problem(name, f"'{name}' is not an axis of this sweep", fix)
+            yield Problem(name, f"'{name}' is not an axis of this sweep", suggest(name, known))
         elif name in axes:
-            fix = f"Leave out {name}=, or take {name} out of axes"
-            yield Problem(name, f"{name} is a free axis, and has a value besides", fix)
+            yield Problem(
+                name,
+                f"{name} is a free axis, and has a value besides",
+                f"Leave out {name}=, or take {name} out of axes",
+            )
 
 
 def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:

@@ -4,8 +4,6 @@ It tells what rounding, grids and files do to the equations. Equations that are 
 give the same with any number of digits; that is for the tests of each scene.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.labels import Sample, sample_of
-from vibrafeed.core.plan.plan import Plan
+from vibrafeed.core.plan.plan import Plan, run_equations
 from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import Scene

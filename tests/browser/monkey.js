@@ -11,7 +11,7 @@
   const QUICK = ["rectangle-on-plane", "cylinder-on-plane", "rectangle-on-track"]; // their motion is soon known
   const PATIENCE = 3_000; // ms; which of the two comes, a picture or the word that it was cancelled, is the same to it
   const DIMMED_AFTER = 1_000; // ms: a motion has 100, and a busy machine its time
-  const FRAME = { left: 62, right: 14, top: 10, bottom: 46 }; // of the picture, px
+  const FRAME = { left: 52, right: 12, top: 10, bottom: 42 }; // of the picture, px
 
   window.faults = [];
   window.addEventListener("error", (event) => window.faults.push(event.message));
@@ -40,14 +40,14 @@
 
   const ACTIONS = {
     type({ share, text }) {
-      const field = picked(all("#controls input[inputmode], #part input, #optimum input[inputmode]"), share);
+      const field = picked(all("#controls input[inputmode], #expert input[inputmode]"), share);
       if (!field) return;
       // Beside hostile texts, numbers near the one that stands there.
       field.value = text.startsWith("*") ? String(Number(field.value) * Number(text.slice(1))) : text;
       heard(field, "change");
     },
     async drag({ share, places }) {
-      const slider = picked(all("#controls input[type=range]"), share);
+      const slider = picked(all("#controls input[type=range], #expert input[type=range]"), share);
       for (const place of places) {
         if (!slider?.isConnected) return;
         slider.value = String(Math.round(place * Number(slider.max)));
@@ -58,7 +58,7 @@
     },
     select({ share, places }) {
       const isSlow = (one) => ["choose-method", "choose-variant"].includes(one.id);
-      const choice = picked(all("#controls select, #optimum select, #figures select").filter((one) => !isSlow(one)), share);
+      const choice = picked(all("#controls select, #expert select, #figures select").filter((one) => !isSlow(one)), share);
       const values = [...(choice?.options ?? [])].map(({ value }) => value);
       const known = choice?.id === "choose-system" ? values.filter((one) => QUICK.includes(one)) : values;
       if (!known.length) return;
@@ -67,7 +67,7 @@
       heard(choice, "change");
     },
     point({ places: [x, y] }) {
-      const [map] = all("#host .map, #host .u-over");
+      const [map] = all("#host .map, #host .curves");
       if (!map) return;
       const box = map.getBoundingClientRect();
       const at = { clientX: box.x + x * box.width, clientY: box.y + y * box.height, bubbles: true };
@@ -88,8 +88,22 @@
       picked(all("#questions button"), share)?.click();
     },
     wish({ share }) {
-      const isSaving = (one) => /Find the best/.test(one.textContent);
-      picked(all("#optimum fieldset button, #optimum input[type=checkbox]").filter((one) => !isSaving(one)), share)?.click();
+      picked(all("#wishes fieldset button, #wishes input[type=checkbox], #chips button, #best-told button, #keep, .remove"), share)?.click();
+    },
+    // A handle of the stage, by the pointer.
+    async pull({ share, places }) {
+      const handle = picked(all(".stage .handle"), share);
+      if (!handle) return;
+      const box = handle.getBoundingClientRect();
+      const at = (x, y) => ({ clientX: box.x + 20 + x, clientY: box.y + 20 + y, bubbles: true, pointerId: 1 });
+      handle.setPointerCapture = handle.releasePointerCapture = () => {};
+      handle.hasPointerCapture = () => true;
+      handle.dispatchEvent(new PointerEvent("pointerdown", at(0, 0)));
+      for (const place of places) {
+        handle.dispatchEvent(new PointerEvent("pointermove", at(80 * (place - 0.5), 60 * (share - 0.5))));
+        await frame();
+      }
+      handle.dispatchEvent(new PointerEvent("pointerup", at(0, 0)));
     },
     async back({ share }) {
       const changed = new Promise((done) => addEventListener("hashchange", done, { once: true }));
@@ -102,15 +116,15 @@
     await ACTIONS[action.kind](action);
   };
 
+  const busy = (id) => document.getElementById(id).getAttribute("aria-busy") === "true";
+
   window.settled = async () => {
+    for (const menu of all("#expert, #part")) menu.open = true; // what is hidden is not tried
     const begun = performance.now();
     const isTired = () => performance.now() - begun > PATIENCE;
-    const isBusy = () =>
-      document.getElementById("picture").getAttribute("aria-busy") !== "false" ||
-      (!isTired() && document.getElementById("detail").getAttribute("aria-busy") === "true");
     for (let calm = 0; calm < 3; ) {
-      calm = isBusy() ? 0 : calm + 1;
-      const cancel = all("#stale button").find((one) => one.textContent === "Cancel");
+      calm = busy("picture") || busy("answer") ? 0 : calm + 1;
+      const cancel = all("#stale button, #answer .actions button").find((one) => one.textContent === "Cancel");
       if (isTired()) cancel?.click();
       await frame();
     }
@@ -130,11 +144,14 @@
     for (const [name, value] of Object.entries(view.values)) {
       const field = document.getElementById(`value-${name}`);
       if (!field) {
-        found.push(`no field for ${name}, at ${location.hash}`);
+        if (/^turn_/.test(name)) continue; // of a place without a device
+        const isBound = view.question === "drive" && [view.x, view.y].some((axis) => axis?.name === name);
+        if (!isBound) found.push(`no field for ${name}, at ${location.hash}`);
         continue;
       }
+      if (field.getAttribute("aria-invalid")) continue; // the last value holds, which the slider has
       const box = field.closest(".field");
-      if (!near(Number(field.value), value * factorOf(box.textContent))) say(`field ${name}`, field.value, value);
+      if (!near(Number(field.value), value * factorOf(`(${box.querySelector(".unit")?.textContent})`))) say(`field ${name}`, field.value, value);
       const spoken = box.querySelector("input[type=range]").getAttribute("aria-valuetext").replace("\u2212", "-");
       if (!near(parseFloat(spoken), Number(field.value), 1e-3)) say(`slider ${name}`, spoken, field.value);
     }
@@ -150,25 +167,23 @@
       const box = document.getElementById(`choose-${id}`).closest(".field");
       const { text } = document.getElementById(`choose-${id}`).selectedOptions[0];
       [...box.querySelectorAll(".ends input")].forEach((input, i) => {
+        if (input.getAttribute("aria-invalid")) return; // the last value holds
         const value = [axis.from, axis.to][i] * factorOf(text);
         if (!near(Number(input.value), value)) say(`end of ${id}`, input.value, value);
       });
     }
     const host = document.getElementById("host");
     const isStale = document.getElementById("picture").classList.contains("stale");
-    const asSet = (text) => [...new URLSearchParams(text.replace("#", ""))].map(String).sort().join("&");
+    const isAsking = /takes about/.test(document.getElementById("stale").textContent); // of a slow method
+    const asSet = (text) => [...new URLSearchParams(text.replace("#", ""))].map(String).filter((one) => !one.startsWith("band")).sort().join("&");
     if (isStale) {
       if (!document.getElementById("stale").textContent) found.push("dimmed without a reason");
-    } else if (asSet(host.dataset.view ?? "") !== asSet(pictureOf({ choice: "", ...view }))) {
+    } else if (!isAsking && asSet(host.dataset.view ?? "") !== asSet(pictureOf({ choice: "", ...view }))) {
       say("picture", host.dataset.view, "the address");
     }
-    if (!isStale) found.push(...crosshair(view));
-    const detail = document.getElementById("detail");
-    if (detail.getAttribute("aria-busy") === "true" && !detail.classList.contains("stale")) {
-      await new Promise((done) => setTimeout(done, DIMMED_AFTER));
-      const isLate = detail.getAttribute("aria-busy") === "true" && !detail.classList.contains("stale");
-      if (isLate && !detail.hidden) found.push(`a motion that is not of the fields is not dimmed, at ${location.hash}`);
-    }
+    if (!isStale && !isAsking) found.push(...crosshair(view));
+    const number = document.querySelector("#answer .answer strong").textContent;
+    if (!number) found.push(`no number and no reason, at ${location.hash}`);
     return found;
   };
 
@@ -182,25 +197,19 @@
     const across = (at) => value(view.x, (at - FRAME.left) / (width - FRAME.left - FRAME.right));
     const up = (at) => value(view.y, (height - FRAME.bottom - at) / (height - FRAME.top - FRAME.bottom));
     const isNear = (one, other, axis, part) => Math.abs(one - other) <= part * (axis.to - axis.from);
-    if (view.point && !document.getElementById("detail").hidden) {
-      for (const place of ["x", "y"]) {
-        const { value: typed, labels } = document.getElementById(`here-${place}`);
-        const wanted = view.point[place] * factorOf(labels[0].textContent);
-        if (!near(Number(typed), wanted)) found.push(`point ${typed} and ${wanted}, at ${location.hash}`);
-      }
-      const places = [...map.querySelectorAll(".mark circle")].map((one) => [across(one.cx.baseVal.value), up(one.cy.baseVal.value)]);
-      const isMarked = places.some(([x, y]) => isNear(x, view.point.x, view.x, 0.01) && isNear(y, view.point.y, view.y, 0.01));
-      const isInside = ["x", "y"].every((place) => view.point[place] >= view[place].from && view.point[place] <= view[place].to);
-      if (isInside && !isMarked) found.push(`no mark at the point, but at ${JSON.stringify(places)}, at ${location.hash}`);
-    }
+    const at = { x: view.values[view.x.name], y: view.values[view.y.name] };
+    const places = [...map.querySelectorAll(".dragged .ring")].map((one) => [across(one.cx.baseVal.value), up(one.cy.baseVal.value)]);
+    const isMarked = places.some(([x, y]) => isNear(x, at.x, view.x, 0.01) && isNear(y, at.y, view.y, 0.01));
+    const isInside = ["x", "y"].every((place) => at[place] >= view[place].from && at[place] <= view[place].to);
+    if (isInside && !isMarked) found.push(`no ring at the design, but at ${JSON.stringify(places)}, at ${location.hash}`);
     const lines = map.querySelectorAll(".cursor line");
     if (lines.length) {
       const told = document.querySelector("#host .said").textContent.replaceAll("\u2212", "-").match(/-?[\d.]+(?:e-?\d+)?/g).map(Number);
       const units = ["across", "up"].map((id) => factorOf(document.getElementById(`choose-${id}`).selectedOptions[0].text));
-      const at = [across(lines[0].x1.baseVal.value), up(lines[1].y1.baseVal.value)];
+      const lies = [across(lines[0].x1.baseVal.value), up(lines[1].y1.baseVal.value)];
       // What is told is that of the cell, a thirtieth of a coarse map.
-      if (!isNear(at[0], told[0] / units[0], view.x, 1 / 29) || !isNear(at[1], told[1] / units[1], view.y, 1 / 29)) {
-        found.push(`crosshair at ${at}, told ${told}, at ${location.hash}`);
+      if (!isNear(lies[0], told[0] / units[0], view.x, 1 / 29) || !isNear(lies[1], told[1] / units[1], view.y, 1 / 29)) {
+        found.push(`crosshair at ${lies}, told ${told}, at ${location.hash}`);
       }
     }
     return found;

@@ -1,177 +1,95 @@
-"""The page's question "Which drive is best?": margins, neighbours, trade-offs, all linked."""
+"""The page's question "Which drive is best?": chips, flight, limits, trade-offs."""
 
 from __future__ import annotations
 
 import csv
-import json
 import re
 import tomllib
-import urllib.request
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 
 from audit import audited
-from waiting import PATIENCE
+from looking import NUMBER, numbers, opened, posted, revealed, settled, taken_away, typed
 
 SNAPSHOT = (
     "#question=drive&kind=sweep&scene=rectangle-on-plane&choice=physical&output=acceleration_x"
     "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4&p.alpha=20"
 )
-# Only two of the three things that may be chosen are axes of the map.
-TRADE_OFF = f"{SNAPSHOT}&best=pareto&against=acceleration_y&points=9&vary=frequency:30:80"
-BEST = f"{SNAPSHOT}&best=maximise&keep=throw_number::0.8:&band=friction:0.2"
+TRADE_OFF = f"{SNAPSHOT}&best=pareto&against=acceleration_y&points=9&vary=frequency:30:80&found=1"
+BEST = f"{SNAPSHOT}&best=maximise&keep=throw_number::0.8:&band=friction:0.2&found=1"
 
 
-def posted(address, study):
-    request = urllib.request.Request(
-        f"{address}/processes/{study['kind']}/execution",
-        json.dumps(study).encode(),
-        {"Content-Type": "application/json"},
-    )
-    with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
-        return json.load(reply)["variables"]
+def read(page: Page, name: str) -> str:
+    return Path(taken_away(page, name).path()).read_text()
 
 
-def opened(page, address, link):
-    page.goto("about:blank")
-    page.goto(f"{address}/{link}")
-    expect(page.locator("#progress")).to_have_text(re.compile("^Shown"))
+def test_the_design_flies_to_the_best_and_back(page: Page, address: str) -> None:
+    page.emulate_media(reduced_motion="no-preference")
+    opened(page, f"{address}/#question=drive")
+    expect(page.locator("#answer .unit")).to_have_text("mm/s, 6 times as fast")
+    expect(page.locator("#picture .flight-way")).to_be_attached()
+    expect(page.locator("#picture .mark", has_text="before 49.9")).to_be_visible()
+    table = page.locator("#best-told table")
+    (before, best) = numbers(table.locator("tr", has_text="Angle of").inner_text())
+    assert before == 20
+    parameters = {"frequency": 50, "friction": 0.3, "amplitude": "1 mm", "beta": best}
+    study = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": parameters}
+    answer = 1e3 * posted(address, study)["conveying_velocity"]["data"]
+    assert float(page.locator(NUMBER).inner_text()) == pytest.approx(answer, rel=5e-3)
+    told = page.locator("#best-told")
+    expect(told).to_contain_text("Amplitude is at its bound of 1\u00a0mm.")
+    expect(told).to_contain_text(re.compile("or 2° of angle of vibration, at least .* remain"))
+    for chip, value in (("still", "20.6"), ("robust", "300")):
+        expect(page.locator(f"#chip-{chip}")).to_contain_text(value)
+    page.locator("#chip-still").click()
+    settled(page)
+    expect(page.locator(NUMBER)).to_have_text("20.6")
+    expect(page.locator("#answer .sentence")).not_to_contain_text("hops")
+    page.get_by_role("button", name="Go back to 0.5").click()
+    settled(page)
+    expect(page.locator(NUMBER)).to_have_text("49.9")
+    page.get_by_role("button", name="Show the best").click()
+    settled(page)
+    page.get_by_role("button", name="Compare both").click()
+    expect(page.locator("#pins thead th")).to_have_count(3)
 
 
-def numbers(text):
-    return [
-        float(word.replace("\u2212", "-")) for word in re.findall(r"[\u2212]?\d+(?:\.\d+)?", text)
-    ]
+def test_bounds_are_those_of_the_search(page: Page, address: str) -> None:
+    opened(page, f"{address}/#question=drive")
+    expect(page.locator("#chip-fastest")).to_contain_text("300")
+    largest = page.get_by_label("Largest amplitude", exact=True)
+    largest.fill("0,6 mm")
+    largest.press("Enter")
+    settled(page)
+    expect(page.locator("#best-told")).to_contain_text("at its bound of 0.6\u00a0mm")
+    expect(page.locator(NUMBER)).not_to_have_text("300")
+    settled(page)
+    assert float(page.locator(NUMBER).inner_text()) < 300
 
 
-def taken(page, name):
-    """Return the text that is saved of the best."""
-    page.locator("#away-what").select_option("best")
-    with page.expect_download() as download:
-        page.get_by_role("button", name=name, exact=True).click()
-    return download.value.path().read_text()
-
-
-def test_a_trade_off_is_one_thing_in_all_its_pictures(page, address):
-    opened(page, address, TRADE_OFF)
-    page.get_by_role("button", name="Find the best").click()
-    front = page.locator("#beside .front")
-    expect(front.locator(".marker")).to_have_count(9)
-    study = tomllib.loads(taken(page, "Study (TOML)"))
-    answer = posted(address, study)
-    knee = answer["knee"]["data"].index(1)
-    told = page.locator("#beside .said")
-
-    def is_told(place):
-        names = ("acceleration_x", "acceleration_y", "best_amplitude", "best_beta")
-        values = [answer[name]["data"][place] for name in (*names, "best_frequency")]
-        values[2] *= 1e3  # mm
-        assert numbers(told.inner_text()) == pytest.approx(values, rel=1e-3)
-
-    is_told(knee)
-    # By keys along the trade-off: the map and the lines follow, and its end is its least value.
-    front.focus()
-    page.keyboard.press("End")
-    is_told(8)
-    page.keyboard.press("ArrowRight")
-    is_told(7)
-    assert page.locator("#picture .map .marks .mark").count() == 1
-    assert page.locator("#picture .map .marks > .marker").count() == 9
-    assert page.locator(".design.chosen").count() == 1
-    expect(page.locator("#optimum .details li").first).to_contain_text("the part")
-    # A part of an axis by keys, then by the pointer: what lies outside is faint in both pictures.
-    for _ in range(20):
-        page.get_by_role("slider", name="Largest frequency of the lines").press("ArrowDown")
-    values = answer["best_frequency"]["data"]
-    middle = (min(values) + max(values)) / 2
-    outside = sum(value > middle for value in values)
-    expect(page.locator(".design.dim")).to_have_count(outside)
-    expect(front.locator(".marker.dim")).to_have_count(outside)
-    page.get_by_role("button", name="All drives again").click()
-    expect(front.locator(".dim")).to_have_count(0)
-    area = page.locator(".parallel .catch").last
-    area.scroll_into_view_if_needed()
-    box = area.bounding_box()
-    page.mouse.move(box["x"] + 14, box["y"] + 2)
-    page.mouse.down()
-    page.mouse.move(box["x"] + 14, box["y"] + box["height"] / 2, steps=3)
-    page.mouse.up()
-    expect(page.locator("#optimum .said")).to_contain_text("of 9 drives are left")
-    out = page.locator(".design.dim").count()
-    assert 0 < out < 9
-    handle = page.get_by_role("slider", name="Largest frequency of the lines").bounding_box()
-    page.mouse.move(handle["x"] + 9, handle["y"] + 4)
-    page.mouse.down()
-    page.mouse.move(handle["x"] + 9, handle["y"] + box["height"], steps=3)
-    page.mouse.up()
-    expect(page.locator("#optimum .said")).to_contain_text("of 9 drives are left")
-    assert page.locator(".design.dim").count() > out
-    # The way back: a point of the map near a drive of the trade-off.
-    dot = page.locator("#picture .map .marks > .marker").first
-    dot.scroll_into_view_if_needed()
-    place = dot.bounding_box()
-    page.mouse.move(place["x"] + place["width"] / 2, place["y"] + place["height"] / 2)
-    is_told(0)
-    # Enter shows the drive: its frequency at the slider, and its motion.
-    front.focus()
-    page.keyboard.press("Enter")
-    expect(page.locator("#detail")).to_contain_text("Mean speed")
-    shown = float(page.locator("#value-frequency").input_value())
-    assert shown == pytest.approx(values[0], rel=1e-5)
-    # A link restores all of it, and finds it again.
-    link = page.url
-    opened(page, address, link[link.index("#") :])
-    expect(front.locator(".marker")).to_have_count(9)
-    is_told(knee)
-    assert "vibrafeed.optimise(" in taken(page, "Python")
-    drawn = taken(page, "SVG")
-    assert drawn.startswith("<svg")
-    assert drawn.count("<path") == 9
-
-
-def test_the_best_tells_its_margins_its_neighbours_and_its_band(page, address):
-    opened(page, address, BEST)
-    page.get_by_role("button", name="Find the best").click()
-    around = page.locator("#optimum .around")
-    around.wait_for()
-    study = tomllib.loads(taken(page, "Study (TOML)"))
-    answer = {name: one["data"] for name, one in posted(address, study).items()}
-    said = page.locator("#optimum .answer")
+def test_the_best_tells_what_holds_it_back_and_a_changed_value_searches_again(
+    page: Page, address: str
+) -> None:
+    opened(page, f"{address}/{BEST}")
+    said = page.locator("#best-told")
     expect(said).to_contain_text("Throw number is 0.8: 20 % below lift-off, which comes at 1.")
     expect(said).to_contain_text("The upper limit of the throw number has no room left")
-    room = answer["margin_floor_contact"]
-    expect(said).to_contain_text(f"The floor contact has {room:.4g}")
-    # One value of the picture to the left and below, as the service has it.
-    step, turn = numbers(said.get_by_text("One step of the picture").inner_text())
-    parameters = study["parameters"] | {
-        "amplitude": answer["best_amplitude"] - step / 1e3,
-        "beta": answer["best_beta"],
-    }
-    sweep = {"kind": "sweep", "scene": study["scene"], "variant": "physical"}
-    sweep |= {"outputs": ["acceleration_x"], "parameters": parameters}
-    left = posted(address, sweep)["acceleration_x"]["data"]
-    fall = 100 * (1 - left / answer["acceleration_x"])
-    (told,) = re.findall(r"to the best: .*?; less amplitude: ([\d.]+) % worse", label(around))
-    assert float(told) == pytest.approx(fall, rel=0.05)
-    assert turn == pytest.approx(55 / 199, rel=1e-2)
-    assert "more drive elevation: breaks throw number" in label(around)
-    expect(page.locator("#optimum .band li")).to_have_count(5)
-    expect(page.locator("#picture .mark:not(.dragged)")).to_have_count(1)
-    assert taken(page, "SVG").count('class="mark"') == 1
-    row = next(csv.DictReader(taken(page, "CSV").splitlines()))
+    study = tomllib.loads(read(page, "Study of the best (TOML)"))
+    answer = {name: one["data"] for name, one in posted(address, study).items()}
+    expect(said).to_contain_text(f"The floor contact has {answer['margin_floor_contact']:.4g}")
+    row = next(csv.DictReader(read(page, "Best as a table (CSV)").splitlines()))
     assert float(row["acceleration_x [m s-2]"]) == pytest.approx(answer["acceleration_x"])
-    # A changed value: the best is of another drive, and is no longer told.
-    field = page.locator("#value-friction")
-    field.fill("0.3")
-    field.press("Tab")
-    expect(page.locator("#extra [role=status]").first).to_have_text(
-        "The values changed after the best drive was found: search again."
-    )
-    expect(page.locator("#picture .mark:not(.dragged)")).to_have_count(0)
+    before = page.locator(NUMBER).inner_text()
+    typed(page, "#value-friction", "0.3")
+    expect(page.locator(NUMBER)).not_to_have_text(before)
+    expect(said).to_contain_text("Throw number is 0.8")
     # A limit that cannot be: the service's sentence stands beside it.
+    revealed(page, "#wishes")
     page.get_by_label("Least throw number").fill("5")
-    page.get_by_role("button", name="Find the best").click()
+    page.get_by_label("Least throw number").press("Enter")
+    page.locator("#find").click()
     expect(page.locator("[data-place='constraints.0']")).to_have_text(
         "Lower is above upper. Swap them."
     )
@@ -179,24 +97,42 @@ def test_the_best_tells_its_margins_its_neighbours_and_its_band(page, address):
     assert page.locator("[data-place='constraints.0']").count() == 0
 
 
-def label(locator):
-    return locator.get_attribute("aria-label")
+def test_where_nothing_is_feasible_a_click_relaxes_it(page: Page, address: str) -> None:
+    opened(page, f"{address}/#question=drive&best=maximise&found=1&keep=conveying_velocity:9::")
+    expect(page.locator("#best-told")).to_contain_text("keeps all limits")
+    page.get_by_role("button", name="Search without the limits").click()
+    expect(page.locator("#chip-fastest")).to_contain_text("300")
 
 
-def test_nothing_of_it_stands_in_the_way_of_anybody(page, address):
-    page.set_viewport_size({"width": 1280, "height": 900})
-    opened(page, address, f"{TRADE_OFF}&found=1")
-    expect(page.locator("#beside .marker")).to_have_count(9)
-    in_both_lights(page)
-    page.set_viewport_size({"width": 390, "height": 800})
-    # Lines of one parameter, for a change.
-    opened(page, address, f"{BEST.replace('&y=beta:5:60', '&y=&p.beta=10')}&found=1")
-    page.locator("#optimum .band").wait_for()
-    in_both_lights(page)
-    assert page.locator("main").bounding_box()["width"] <= 390
+def test_a_trade_off_is_one_thing_in_map_and_plot(page: Page, address: str) -> None:
+    opened(page, f"{address}/{TRADE_OFF}")
+    front = page.locator("#front .front")
+    expect(front.locator(".marker")).to_have_count(9)
+    study = tomllib.loads(read(page, "Study of the best (TOML)"))
+    answer = posted(address, study)
+    knee = answer["knee"]["data"].index(1)
+    told = page.locator("#front .said")
 
+    def is_told(place: int) -> None:
+        names = ("acceleration_x", "acceleration_y", "best_amplitude", "best_beta")
+        values = [answer[name]["data"][place] for name in (*names, "best_frequency")]
+        values[2] *= 1e3  # mm
+        assert numbers(told.inner_text()) == pytest.approx(values, rel=1e-3)
 
-def in_both_lights(page):
+    is_told(knee)
+    front.focus()
+    page.keyboard.press("End")
+    is_told(8)
+    page.keyboard.press("ArrowRight")
+    is_told(7)
+    assert page.locator("#picture .map .marks > .marker").count() == 8
+    page.keyboard.press("Home")
+    page.keyboard.press("Enter")  # the drive becomes the design
+    settled(page)
+    frequency = answer["best_frequency"]["data"][0]
+    assert float(page.locator("#value-frequency").input_value()) == pytest.approx(
+        frequency, rel=1e-5
+    )
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
         assert audited(page) == []

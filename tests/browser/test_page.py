@@ -3,86 +3,87 @@
 from __future__ import annotations
 
 import csv
-import json
 import re
-import urllib.request
 
 import pytest
+from playwright.sync_api import Page, expect
 
 from audit import audited
-from waiting import PATIENCE, wait_for
+from looking import (
+    NUMBER,
+    SENTENCE,
+    numbers,
+    opened,
+    posted,
+    revealed,
+    settled,
+    taken_away,
+    typed,
+)
+from night import first_by_day
+from waiting import wait_for
 
 TRACK = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
     "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4"
 )
-SHOWN = re.compile("^Shown")
+ANSWERS = {
+    "speed": ("49.9", "41 to 58 mm/s for friction 0.2 to 0.4; hops 0.15"),
+    "hop": ("0.149", "In the air for 66 % of a cycle; lifts off above 0.29"),
+    "drive": ("300", "300 mm/s for friction 0.2 to 0.4; hops 0.63"),
+    "uncertain": ("41 to 58", "For friction 0.2 to 0.4; the friction coefficient matters most"),
+    "measured": ("0.27", "with 95 %; the measured speeds differ from the curve by"),
+    "waves": ("56", "times the speed with a sine of the same amplitudes; slides."),
+    "springs": ("1.04", "At 50\u00a0Hz; the springs are tuned to 52"),
+    "rows": ("22.3", "3 platoons, the rear one of 1 part"),
+    "resting": ("65 %", "65 to 86 % by two estimates."),
+    "orienting": ("194", "194 to 258 a minute by two estimates"),
+    "thesis": ("55.75", "Acceleration along the track: the part has left the floor."),
+    "all": ("46.37", "Acceleration along the track: the part has left the floor."),
+}
 
 
-def posted(address, study):
-    request = urllib.request.Request(
-        f"{address}/processes/{study['kind']}/execution",
-        json.dumps(study).encode(),
-        {"Content-Type": "application/json"},
-    )
-    with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
-        return json.load(reply)
-
-
-def shown(page):
-    from playwright.sync_api import expect
-
-    # Its words say what it waits for, where it does.
-    expect(page.locator("#progress")).to_have_text(SHOWN)
-
-
-def told(page):
-    return page.locator("#picture .said").inner_text()
-
-
-def at_cursor(page, moves=""):
+def at_cursor(page: Page, moves: str = "") -> str:
     """Return what the page says at the middle of its map, after some moves of the cursor."""
     page.locator("#picture .map").focus()
     for key in ["ArrowRight", *moves.split()]:
         page.keyboard.press(key)
-    return told(page)
+    return page.locator("#picture .said").inner_text()
 
 
-def numbers(text):
-    found = re.findall(r"([\u2212]?[\d.]+(?:e[\u2212\d]+)?)", text)
-    return [float(word.replace("\u2212", "-")) for word in found]
+@pytest.mark.parametrize("question", first_by_day(ANSWERS, len(ANSWERS)))
+def test_each_question_is_answered_on_top(page: Page, address: str, question: str) -> None:
+    opened(page, f"{address}/#question={question}")
+    number, sentence = ANSWERS[question]
+    expect(page.locator(SENTENCE)).to_contain_text(sentence)
+    expect(page.locator(NUMBER)).to_contain_text(number)
+    expect(page.locator("#answer")).not_to_have_class(re.compile("failed|odd"))
+    expect(page.locator("#notice")).to_be_empty()
+    for place in (NUMBER, SENTENCE):
+        box = page.locator(place).bounding_box()
+        assert box is not None
+        assert box["y"] + box["height"] < 300
 
 
-def test_how_fast_does_my_part_travel(page, address):
+def test_map_cursor_motion_and_table_are_those_of_the_service(page: Page, address: str) -> None:
     page.emulate_media(reduced_motion="no-preference")
-    page.goto(f"{address}/{TRACK}")
-    shown(page)
+    opened(page, f"{address}/{TRACK}")
     amplitude, beta, velocity = numbers(at_cursor(page))[:3]
-    study = {
-        "kind": "simulate",
-        "scene": "rectangle-on-plane",
-        "parameters": {
-            "frequency": 50,
-            "friction": 0.4,
-            "amplitude": amplitude / 1e3,
-            "beta": beta,
-        },
-    }
-    answer = posted(address, study)["variables"]["conveying_velocity"]["data"]
-    # The page shows four digits of each.
-    assert velocity == pytest.approx(answer * 1e3, rel=5e-3)
+    parameters = {"frequency": 50, "friction": 0.4, "amplitude": amplitude / 1e3, "beta": beta}
+    study = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": parameters}
+    answer = posted(address, study)["conveying_velocity"]["data"]
+    assert velocity == pytest.approx(answer * 1e3, rel=5e-3)  # four digits of each are shown
     page.keyboard.press("Enter")
-    page.locator("#detail").wait_for()
-    page.locator("#detail .said").filter(has_text="Mean speed").wait_for()
-    moment = page.locator("#detail .now").get_attribute("x1")
-    wait_for(lambda: page.locator("#detail .now").get_attribute("x1") != moment)  # it plays
+    expect(page.locator(NUMBER)).to_have_text(f"{1e3 * answer:.3g}")
+    now = page.locator("#detail .now")
+    moment = now.get_attribute("x1")
+    wait_for(lambda: now.get_attribute("x1") != moment)  # it plays
     page.get_by_role("button", name="Pause").click()
-    before = page.locator("#detail .now").get_attribute("x1")
-    page.get_by_role("button", name="Step on").click()
-    assert page.locator("#detail .now").get_attribute("x1") != before
-    with page.expect_download() as download:
-        page.get_by_role("button", name="CSV").click()
-    rows = list(csv.DictReader(download.value.path().read_text().splitlines()))
+    panels = page.locator(".panels")
+    before = now.get_attribute("x1")
+    panels.press("ArrowRight")
+    assert now.get_attribute("x1") != before
+    rows = list(csv.DictReader(taken_away(page, "Table (CSV)").path().read_text().splitlines()))
     near = min(
         rows,
         key=lambda row: (
@@ -91,115 +92,41 @@ def test_how_fast_does_my_part_travel(page, address):
         ),
     )
     assert float(near["conveying_velocity [m s-1]"]) * 1e3 == pytest.approx(velocity, rel=5e-3)
-    assert "The results are ready." in page.locator("#jobs").inner_text()
 
 
-def test_which_drive_is_best(page, address):
-    page.goto(f"{address}/#question=drive")
-    shown(page)
-    page.get_by_role("button", name="Find the best").click()
-    row = page.locator("#optimum tr", has_text="Best drive elevation")
-    row.wait_for()
-    (best,) = numbers(row.locator("td").inner_text())
-    value = numbers(page.locator("#optimum tr", has_text="Conveying velocity").inner_text())[0]
-    study = {
-        "kind": "simulate",
-        "scene": "rectangle-on-plane",
-        "parameters": {"frequency": 50, "friction": 0.3, "amplitude": "1 mm", "beta": best},
-    }
-    answer = posted(address, study)["variables"]["conveying_velocity"]["data"]
-    assert value == pytest.approx(answer * 1e3, rel=5e-3)
-    assert page.locator("#picture .mark:not(.dragged)").count() == 1
-
-
-def test_what_amplitude_will_my_springs_give(page, address):
-    page.goto(f"{address}/")
-    shown(page)
-    page.get_by_role("button", name="What amplitude will my springs give?").click()
-    page.locator("#headline", has_text="Amplitude of the track").wait_for()
-    shown(page)
-    page.get_by_text("Tuned stiff").first.wait_for()
-    frequency, load, amplitude = numbers(at_cursor(page))[:3]
-    study = {
-        "kind": "sweep", "scene": "linear-drive-unit", "variant": "measured",
-        "outputs": ["track_amplitude"],
-        "parameters": {
-            "moving_mass": 10, "base_mass": 30, "ring_down_frequency": 53, "damping_ratio": 0.02,
-            "drive_force": 100, "frequency": frequency, "load_mass": load / 1e3,
-        },
-    }  # fmt: skip
-    answer = posted(address, study)["variables"]["track_amplitude"]["data"]
-    assert amplitude == pytest.approx(answer * 1e3, rel=5e-3)
-    assert page.get_by_label("Model", exact=True).count() == 0  # nothing is followed in time there
-    page.goto(f"{address}/#question=speed&kind=simulate&scene=linear-drive-unit&choice=events")
-    page.wait_for_url(lambda url: "question=speed" in url and "kind=sweep" in url)
-    page.locator("#headline", has_text="Amplitude of the track").wait_for()
-    shown(page)
-
-
-def test_what_did_the_thesis_draw(page, address):
-    page.goto(f"{address}/#question=thesis")
-    shown(page)
-    assert "Verdict" in page.locator("#figures").inner_text()
-    assert "do not describe a real part" in page.locator("#note").inner_text()
-    assert page.locator("#choose-figure option").count() == 31
+def test_the_figures_of_the_thesis_and_every_output(page: Page, address: str) -> None:
+    opened(page, f"{address}/#question=thesis")
+    expect(page.locator("#figures")).to_contain_text("Verdict")
+    expect(page.locator("#note")).to_contain_text("the part has left the floor")
+    assert page.locator("#choose-figure option").count() == 32
     page.locator("#choose-figure").select_option("fig-5-22")
-    page.get_by_text("It is zero where the").wait_for()
-    shown(page)
-    assert "velocity" in page.locator("#headline").inner_text().lower()
+    expect(page.locator("#figures")).to_contain_text("It is zero where the")
+    settled(page)
+    assert page.locator("#values tr").count() > 10
+    page.locator("#choose-figure").select_option("")
+    expect(page.locator("#headline")).to_have_text("Every output")
 
 
-def test_everything_follows_a_slider_and_a_link_restores_it(page, address):
-    page.goto(f"{address}/#question=all")
-    shown(page)
+def test_everything_follows_a_slider_and_a_link_restores_it(page: Page, address: str) -> None:
+    opened(page, f"{address}/#question=all")
     before = at_cursor(page)
     slider = page.get_by_label("Frequency, slider")
     slider.focus()
     for _ in range(10):
         page.keyboard.press("ArrowRight")
-    # The map follows while the keys are pressed; the last of them counts.
     taken = page.locator("#value-frequency").input_value()
     page.wait_for_url(re.compile(rf"p\.frequency={re.escape(taken)}(&|$)"))
-
-    def followed():
-        """Return the words at the same point once the map has followed, which takes a moment."""
-        shown(page)
-        found, again = (at_cursor(page, "ArrowLeft") for _ in range(2))
-        return found if found == again and numbers(found)[2] != numbers(before)[2] else None
-
-    after = wait_for(followed)
-    link = page.url
-    assert "p.frequency" in link
-    page.goto("about:blank")
-    page.goto(link)
-    shown(page)
+    settled(page)
+    after = at_cursor(page, "ArrowLeft")
+    assert numbers(after)[2] != numbers(before)[2]
+    number, link = page.locator(NUMBER).inner_text(), page.url
+    opened(page, link)
     assert at_cursor(page) == after
+    expect(page.locator(NUMBER)).to_have_text(number)
 
 
-def test_a_mistake_is_told_beside_its_field(page, address):
-    page.goto(f"{address}/{TRACK}")
-    shown(page)
-    field = page.locator("#value-friction")
-    field.fill("-1")
-    field.press("Tab")
-    page.locator("#wrong-friction", has_text="It must be at least 0").wait_for()
-    field = page.locator("#value-friction")
-    field.fill("0.3")
-    field.press("Tab")
-    page.locator("#wrong-friction", has_text=re.compile("^$")).wait_for(state="attached")
-
-
-def test_the_motion_follows_the_knobs_and_skipping_keeps_the_view(page, address):
-    page.goto(f"{address}/{TRACK}&point=0.0005:30")
-    shown(page)
-    speed = page.locator("#detail .said", has_text="Mean speed")
-    speed.wait_for()
-    before = re.search("Mean speed [^;]*", speed.inner_text()).group()
-    field = page.locator("#value-friction")
-    field.fill("0.1")
-    field.press("Tab")
-    speed.filter(has_not_text=before).wait_for()
-    page.wait_for_url(re.compile("p.friction=0.1"))
+def test_skipping_keeps_the_view(page: Page, address: str) -> None:
+    opened(page, f"{address}/{TRACK}")
     link = page.url
     page.locator("#skip").focus()
     page.keyboard.press("Enter")
@@ -207,23 +134,74 @@ def test_the_motion_follows_the_knobs_and_skipping_keeps_the_view(page, address)
     assert page.url == link
 
 
-def test_friction_is_chosen_from_published_values_with_its_range(page, address):
-    page.goto(f"{address}/{TRACK.replace('&y=beta:5:60', '&y=&p.beta=30')}")
-    shown(page)
-    choice = page.get_by_label("Published values of the friction coefficient")
-    choice.select_option(label="steel on steel, dry: 0.08 to 0.5")
-    page.get_by_text("The band: friction coefficient known within 72.41 %.").wait_for()
+def test_friction_is_chosen_from_published_values_with_its_range(page: Page, address: str) -> None:
+    opened(page, f"{address}/{TRACK.replace('&y=beta:5:60', '&y=&p.beta=30')}")
+    revealed(page, "#published-friction")
+    page.locator("#published-friction").select_option(label="steel on steel, dry: 0.08 to 0.5")
+    expect(page.locator(SENTENCE)).to_contain_text("for friction 0.08 to 0.5")
+    expect(page.locator("#part summary")).to_contain_text("steel on steel")
     assert page.locator("#value-friction").input_value() == "0.29"
-    page.locator("#picture .u-over").hover()
-    assert re.search(r"\(.* to .*\)", told(page))
+    settled(page)
+    page.locator("#picture .curves").hover()
+    expect(page.locator("#picture .said")).to_have_text(re.compile(r"\(.* to .*\)"))
+    typed(page, "#value-friction", "0.3")
+    expect(page.locator("#part summary")).not_to_contain_text("steel on steel")
 
 
-def test_nothing_stands_in_the_way_of_anybody(page, address):
-    page.goto(f"{address}/{TRACK}&point=0.0003:30")
-    shown(page)
-    page.locator("#detail .panels polyline").first.wait_for(state="attached")
+def test_a_row_moves_in_its_lane_and_tells_which_parts_touch(page: Page, address: str) -> None:
+    opened(page, f"{address}/#question=rows")
+    expect(page.locator("#moment")).to_have_text("Parts 1 to 4 touch.")
+    assert page.locator("#detail .touching").count() > 3  # they meet again
+    panels = page.locator("#detail .panels")
+    panels.press("End")
+    expect(page.locator("#moment")).not_to_contain_text("1 to 4")
+    expect(panels).to_have_attribute("aria-valuetext", re.compile("ms, (no )?parts .*touch$"))
+
+
+def test_measured_runs_are_pasted_and_what_explains_them_is_taken(page: Page, address: str) -> None:
+    opened(page, f"{address}/#question=measured")
+    page.locator("#runs").fill("0.1\t3.5\n0.2\tfast")
+    page.locator("#runs").press("Tab")
+    expect(page.locator("#measured .wrong")).to_contain_text("is not a number")
+    page.locator("#runs").fill("0.1\t3.0\n0.2 7.0\n0.3;18")
+    page.locator("#runs").press("Tab")
+    expect(page).to_have_url(re.compile("runs=0.0001%3A0.003%2C"))
+    settled(page)
+    found = page.locator(NUMBER).inner_text()
+    page.get_by_role("button", name=f"Use {found} as").click()
+    settled(page)
+    assert float(page.locator("#value-friction").input_value()) == pytest.approx(
+        float(found), rel=2e-3
+    )
+    expect(page.locator("#answer .actions button")).to_have_count(0)
+
+
+def test_designs_are_kept_and_compared(page: Page, address: str) -> None:
+    opened(page, address)
+    page.locator("#keep").click()
+    row = page.locator("#pins tr", has_text="Conveying velocity")
+    expect(row.locator("td")).to_have_text(["49.92", "49.92"])
+    typed(page, "#value-beta", "30")
+    expect(row.locator("td").first).to_have_text("49.92")
+    expect(row.locator("td").last).not_to_have_text("49.92")
+    for angle in range(31, 36):
+        typed(page, "#value-beta", str(angle))
+        page.locator("#keep").click()
+    expect(row.locator("td")).to_have_count(5)
+    page.reload()
+    expect(row.locator("td")).to_have_count(5)
+    page.get_by_role("button", name="Show design A").click()
+    expect(page.locator(NUMBER)).to_have_text("49.9")
+    page.get_by_role("button", name="Remove design D").click()
+    expect(row.locator("td")).to_have_count(4)
+
+
+@pytest.mark.parametrize("question", first_by_day(ANSWERS, 3))
+def test_nothing_stands_in_the_way_of_anybody(page: Page, address: str, question: str) -> None:
     for width, height in ((1280, 900), (390, 800)):
         page.set_viewport_size({"width": width, "height": height})
+        opened(page, f"{address}/#question={question}")
         for scheme in ("light", "dark"):
             page.emulate_media(color_scheme=scheme)
             assert audited(page) == [], (width, scheme)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width

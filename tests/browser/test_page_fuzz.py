@@ -21,7 +21,17 @@ ACTIONS = count(20, 2000, "VIBRAFEED_FUZZ_ACTIONS")
 IN_FIREFOX = 200
 SEED = 34
 MONKEY = (Path(__file__).parent / "monkey.js").read_text()
-KINDS = {"type": 5, "drag": 4, "select": 4, "point": 3, "key": 2, "ask": 1, "wish": 2, "back": 3}
+KINDS = {
+    "type": 5,
+    "drag": 4,
+    "select": 4,
+    "point": 3,
+    "key": 2,
+    "ask": 1,
+    "wish": 2,
+    "back": 3,
+    "pull": 3,
+}
 SANE = ["*1", "*1.1", "*0.9", "*1.5", "*0.5", "0.3", "0,3", "25 %", "50 Hz", "30°", "0.4 mm"]
 RELOAD, KILL, REST = 0.02, 0.005, 0.3
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from night import count
-from vibrafeed.core.plan.equations import regimes_of
-from vibrafeed.core.plan.plan import Verdict, make_plan
+from plans import make_plan
+from vibrafeed.core.plan.plan import Verdict, regimes_of
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
 

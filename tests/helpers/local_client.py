@@ -12,7 +12,7 @@ from waiting import wait_for
 
 HERE = "http://127.0.0.1"
 
-_idle: list[Any] = []  # processes of services that are closed, for the services that follow
+_idle: list[Any] = []  # processes that all services share
 
 
 def local_client(app: FastAPI, **options: Any) -> TestClient:
@@ -32,20 +32,18 @@ def ended(client: TestClient, address: str) -> dict[str, Any]:
 
 
 def _hand_on(pool: Any) -> None:
-    """Let a pool have the idle processes of those before, and leave its own to those after it.
+    """Let a pool share the idle processes of those before and after it.
 
     A process of its own for each service that a test makes would load what is compiled anew: a
     second each time.
     """
     if not isinstance(pool, ProcessPool):
         return  # a test's own
-    pool._idle.extend(_idle)
-    _idle.clear()
+    pool._idle = _idle
     close = pool.close
 
-    def hand_on_and_close() -> None:
-        _idle.extend(pool._idle)
-        pool._idle.clear()
+    def leave_and_close() -> None:
+        pool._idle = []
         close()
 
-    pool.close = hand_on_and_close
+    pool.close = leave_and_close

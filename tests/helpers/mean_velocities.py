@@ -28,7 +28,7 @@ class MeanVelocity(SimpleNamespace):
         return self.value * self.circular_frequency / GRAVITY
 
     def groups(self) -> dict[str, float]:
-        """Return the groups of `vibrafeed.core.motion.groups.Groups`, without those that are 0."""
+        """Return the groups of `vibrafeed.core.motion.method.Groups`, without those that are 0."""
         w = self.circular_frequency
         drive = self.amplitude * w * w / GRAVITY
         beta, gamma = math.radians(self.beta), math.radians(self.gamma)

@@ -8,10 +8,11 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from plans import make_plan
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.plan.differences import STATUS, Derived, derivatives, values_of
-from vibrafeed.core.plan.plan import make_plan, plan_scene
+from vibrafeed.core.plan.plan import plan_scene
 from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
 
 NAMES = {value: name for name, value in STATUS.items()}

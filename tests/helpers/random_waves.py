@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vibrafeed.core.motion import waves
-from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.method import Groups
 from vibrafeed.core.motion.waves import Wave
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from vibrafeed.core.dataset.formats import FORMATS, write_result
-from vibrafeed.core.dataset.frame import Frame, heading
+from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
@@ -42,11 +42,10 @@ def written(table: Table, folder: Path) -> dict[str, Path]:
 def rows(table: Table, *, with_units: bool = False) -> dict[str, list[object]]:
     """Return what the columns of a table hold, by name or by heading."""
     frame = Frame.of(table)
-    found = {}
-    for column in frame.columns:
-        name = heading(column) if with_units else column.name
-        found[name] = frame.piece(column, 0, frame.rows).tolist()
-    return found
+    (whole,) = frame.pieces(frame.rows)
+    if with_units:
+        whole.columns = frame.headings
+    return whole.to_dict("list")
 
 
 def check_same(found: Mapping[str, object], expected: Mapping[str, object]) -> None:

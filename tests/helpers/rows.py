@@ -12,7 +12,7 @@ from vibrafeed.core.motion.kernels.rows import (
     waved_row_cells,
 )
 from vibrafeed.core.motion.kernels.rows.row_state import COLUMN, HEAD, NO_STOP
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS
 from vibrafeed.core.motion.waves import Wave
 
 TURN = 2 * np.pi

@@ -27,7 +27,8 @@ QUICK = {"lease_seconds": 3, "block_seconds": 0.3}
 class Service:
     """`vibrafeed serve` on a folder; it can be killed and started again, on the same port."""
 
-    def __init__(self, folder: Path, **settings: Any):
+    def __init__(self, folder: Path, *options: str, **settings: Any):
+        self.options = options
         self.folder, self.log = folder, folder / "log"
         self.port = free_port()
         self.address = f"http://127.0.0.1:{self.port}"
@@ -39,7 +40,7 @@ class Service:
     def launch(self) -> None:
         """Start it, and do not wait for it."""
         serve = "from vibrafeed.app.cli import main; main()"  # as `vibrafeed` does, from here
-        command = [sys.executable, "-c", serve, "serve", "--port", str(self.port)]
+        command = [sys.executable, "-c", serve, "serve", "--port", str(self.port), *self.options]
         with self.log.open("ab") as file:
             self.process = subprocess.Popen(
                 command, cwd=ROOT, env=self._environment, stdout=file, stderr=file
@@ -135,8 +136,8 @@ def services(folders: pytest.TempPathFactory) -> Iterator[Callable[..., Service]
     """Yield a function that starts a service with settings; all of them stop in the end."""
     started: list[Service] = []
 
-    def start(**settings: Any) -> Service:
-        service = Service(folders.mktemp("service"), **settings)
+    def start(*options: str, **settings: Any) -> Service:
+        service = Service(folders.mktemp("service"), *options, **settings)
         started.append(service)
         service.start()
         return service

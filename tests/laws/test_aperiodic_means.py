@@ -16,8 +16,8 @@ from benchmarks.motions import planar_motion
 from benchmarks.waves import as_harmonic
 from tests.helpers import night
 from vibrafeed.core.motion import events
-from vibrafeed.core.motion.groups import Groups as Part
-from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.method import STATUS, Motion
+from vibrafeed.core.motion.method import Groups as Part
 
 SEED = 47
 CELLS = 1_700  # random, of which a fifth do not repeat

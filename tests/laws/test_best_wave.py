@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.best_wave import KINDS, fastest_wave, motions, shares
 from vibrafeed.core.motion.drives import fastest_velocity
-from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.method import Groups
 
 G = 9.81
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from plans import make_plan
 from vibrafeed.core.mechanics import travel
-from vibrafeed.core.plan.equations import regimes_of
-from vibrafeed.core.plan.plan import Verdict, make_plan
+from vibrafeed.core.plan.plan import Verdict, regimes_of
 from vibrafeed.core.quantities import REGIMES
 
 RANDOM = np.random.default_rng(20041)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from vibrafeed.core.plan.plan import make_plan
+from plans import make_plan
 
 RANDOM = np.random.default_rng(6)
 POINTS = 200

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from plans import make_plan
 from screws import (
     MomentumScrew,
     Twist,
@@ -14,7 +15,6 @@ from screws import (
     power,
 )
 from vibrafeed.core.mechanics.screws import dot, vector
-from vibrafeed.core.plan.plan import make_plan
 
 RANDOM = np.random.default_rng(214)
 POINTS = 20_000

@@ -13,7 +13,7 @@ from vibrafeed.core.intake import parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.events import energy_by_events, motion_by_events, spatial_path
-from vibrafeed.core.motion.groups import Contacts, Groups, cells_of, each
+from vibrafeed.core.motion.method import Contacts, Groups, cells_of, each
 from vibrafeed.core.motion.waves import TURN, Wave
 from vibrafeed.core.quantities import REGIMES
 

@@ -22,10 +22,9 @@ from vibrafeed.core.motion.events import (
     spatial_motion,
     spatial_path,
 )
-from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.constants import COLUMN
 from vibrafeed.core.motion.kernels.inputs import Cell
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS, Contacts, Groups, cells_of
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.motion.waves import Wave, bound
 from vibrafeed.core.quantities import REGIMES

@@ -16,7 +16,7 @@ from benchmarks.honest_estimates import (
     rated,
 )
 from benchmarks.motions import planar_motion
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS
 
 STUDIES = {"spatial": 800, "events": 800, "chaos": 300}
 

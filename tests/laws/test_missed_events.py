@@ -17,11 +17,11 @@ from benchmarks.missed_events import (
 )
 from benchmarks.waves import PLANAR, harmonics, parts
 from vibrafeed.core.motion.events import waves_of
-from vibrafeed.core.motion.groups import cells_of
 from vibrafeed.core.motion.kernels import sine_sums as kernels
 from vibrafeed.core.motion.kernels.inputs import cell_of
 from vibrafeed.core.motion.kernels.planar.flow import AIR
 from vibrafeed.core.motion.kernels.planar.wave import KINDS, PULLS, ROOTS, wave_of
+from vibrafeed.core.motion.method import cells_of
 
 ROUNDED = 1e-12
 """Of a sum of some 20 terms of size 1: that of a phase, 4e-16, times a slope of some 100, and a

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from vibrafeed.core.motion.events import planar_motion
-from vibrafeed.core.motion.groups import Groups
+from vibrafeed.core.motion.method import Groups
 
 FOUND = json.loads((Path(__file__).parents[1] / "data" / "planar_digits.json").read_text())
 FAMILIES = ("throw", "friction", "slip")

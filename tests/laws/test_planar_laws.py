@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks.motions import planar_motion, planar_path
-from vibrafeed.core.motion.result import Motion
+from vibrafeed.core.motion.method import Motion
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 STATUS = {name: flag.value for name, flag in MOTION_STATUSES.items()}

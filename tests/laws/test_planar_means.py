@@ -17,7 +17,6 @@ from vibrafeed.core.compiled import compiled
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.events import planar_motion, waves_of
-from vibrafeed.core.motion.groups import Groups, cells_of
 from vibrafeed.core.motion.kernels.constants import DISTANCE, PIECE, SETTLED_EXACTLY, SUMS
 from vibrafeed.core.motion.kernels.inputs import Cell, Floats, cell_of
 from vibrafeed.core.motion.kernels.planar.along import after_hops, contact
@@ -34,7 +33,7 @@ from vibrafeed.core.motion.kernels.planar.plane_laws import (
     to_lift_off,
 )
 from vibrafeed.core.motion.kernels.planar.wave import wave_of
-from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.method import STATUS, Groups, Motion, cells_of
 
 CELLS = count(day=150, night=10_000)
 DECIDED_BY_ROUNDING = [STATUS["aperiodic"], STATUS["sensitive"]]

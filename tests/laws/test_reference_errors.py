@@ -11,8 +11,8 @@ import pytest
 from benchmarks.honest_estimates import by_events, random_groups
 from benchmarks.motions import reference_motion, reference_path
 from mean_velocities import GRAVITY, MEAN_VELOCITIES
+from vibrafeed.core.motion.method import STATUS
 from vibrafeed.core.motion.reference.stretch import TERMS, crossings, first_fall
-from vibrafeed.core.motion.result import STATUS
 
 REPEATS = (STATUS["periodic"], STATUS["at_rest"])
 

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.motions import reference_motion, reference_path
 from mean_velocities import GRAVITY, MEAN_VELOCITIES
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS
 
 NO_DRIVE: dict[str, Any] = {
     "drive_number_along": 0.0, "drive_number_across": 0.0, "drive_number_normal": 0.0

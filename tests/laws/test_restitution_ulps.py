@@ -10,8 +10,7 @@ from benchmarks.restitution_ulps import changes, followed, moved, random_cells
 from benchmarks.waves import SPATIAL, harmonics, lifting, steps
 from night import count
 from vibrafeed.core.motion.events import spatial_motion
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import BLOCK_ON_FLOOR, STATUS, Contacts, Groups
 from vibrafeed.core.motion.waves import ENDS, Wave
 
 # 50 Hz, 0.23 mm, restitution 0.9: two motions lie beside each other, and a plain run from rest ends

@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 
+from plans import make_plan
 from precise import CONTEXT, exact_values
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
@@ -15,7 +16,7 @@ from vibrafeed.core.mechanics.arrays import cosine, radians, sine
 from vibrafeed.core.mechanics.floor import vibration_acceleration
 from vibrafeed.core.motion import scales
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.scenes import SCENES, instead_of
 

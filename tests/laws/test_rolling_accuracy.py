@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from many_digits import mp, mpf
-from vibrafeed.core.plan.plan import make_plan
+from plans import make_plan
 from vibrafeed.core.scenes import SCENES
 
 POINTS = 150

@@ -10,11 +10,10 @@ import pytest
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.events import motion_by_events, spatial_motion, spatial_path
-from vibrafeed.core.motion.groups import Contacts, Groups, each
 from vibrafeed.core.motion.kernels.constants import MODE
 from vibrafeed.core.motion.kernels.track.series import NEVER, first_fall
+from vibrafeed.core.motion.method import STATUS, Contacts, Groups, Motion, each
 from vibrafeed.core.motion.reference import reference_motion
-from vibrafeed.core.motion.result import STATUS, Motion
 
 SETTINGS = {"tolerance": 1e-12, "max_periods": 300}
 PLANE, TRACK, CYLINDER = Contacts(), Contacts(wall=True), Contacts(rolling=2.0)

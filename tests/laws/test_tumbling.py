@@ -20,7 +20,7 @@ from vibrafeed.core.motion.kernels.tumbling.corners import (
     speed_scale,
 )
 from vibrafeed.core.motion.kernels.tumbling.supports import strike
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS
 from vibrafeed.core.motion.tumbling_scene import Body, cylinder, rectangle
 
 GRAVITY = 9.81

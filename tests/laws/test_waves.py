@@ -11,9 +11,8 @@ from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.events import planar_motion, spatial_motion
-from vibrafeed.core.motion.groups import Contacts, Groups
 from vibrafeed.core.motion.kernels.sine_sums import SineSum, passages
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS, Contacts, Groups
 from vibrafeed.core.motion.waves import ALONG, NORMAL, TURN, Wave
 
 G = 9.81

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.motions import path_by_reference
 from night import count, first_by_day
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.events import motion_by_events
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
-from vibrafeed.core.motion.reference import reference_motion, reference_path
+from vibrafeed.core.motion.method import BLOCK_ON_FLOOR, STATUS, Contacts, Groups, Motion
+from vibrafeed.core.motion.reference import reference_motion
 from vibrafeed.core.motion.reference.laws import pieces
-from vibrafeed.core.motion.result import STATUS, Motion
 from vibrafeed.core.motion.waves import ALONG, ENDS, NORMAL, TURN, Wave, bound, push, speed
 
 GRAVITY = 9.81
@@ -243,7 +243,7 @@ def test_what_the_track_gives_is_lost_in_friction(wave: Wave) -> None:
     climb, friction = 0.03, 0.3
     groups = driven(wave, friction, gravity_number_along=climb)
     phases = np.linspace(0.0, 2 * TURN, 80_001)
-    path = reference_path(groups, phases=phases)
+    path = path_by_reference(groups, phases=phases)
     u, middles = path.velocity[:, 0], 0.5 * (phases[1:] + phases[:-1])  # jumps are at phases
     step, mean, rubs = phases[1], 0.5 * (u[1:] + u[:-1]), 0.5 * np.abs(u[1:] + u[:-1])
     work = step * float((push(wave, ALONG, middles) - climb) @ mean)
@@ -261,14 +261,14 @@ def test_a_jump_of_the_push_lifts_and_tears_loose() -> None:
     lift, turn = TURN / 4, TURN / 2
     groups = driven(wave, kinetic=0.3, friction_static=0.6)
     phases = np.array([0.0, lift - 1e-9, lift + 0.5, turn, turn + 0.4])
-    path = reference_path(groups, phases=phases)
+    path = path_by_reference(groups, phases=phases)
     high, fast = 0.25 * (turn - lift) ** 2, 0.5 * (turn - lift)
     expected = [0.0, 0.0, 0.0625, high, high + 0.4 * fast - 0.5 * 1.75 * 0.16]
     np.testing.assert_allclose(path.position[:, 2], expected, atol=1e-13)
     np.testing.assert_allclose(path.velocity[2:4, 0], [0.4, 0.8 * (turn - lift)], atol=1e-13)
     np.testing.assert_array_equal(path.velocity[:2], 0.0)
     # The same begun later, turns away: the jumps are where they were.
-    far = reference_path(groups, phases=phases + 50 * TURN)
+    far = path_by_reference(groups, phases=phases + 50 * TURN)
     np.testing.assert_allclose(far.position, path.position, atol=1e-11)
 
 
@@ -303,7 +303,7 @@ def test_a_jump_may_come_amid_the_last_hops() -> None:
     for jump in (done * (1 - 1e-5), done, done * (1 + 1e-5)):
         share = jump / TURN
         wave = levels([share, 2 * share, 1.0], normal=[0.0, 2.0, -2.0 * share / (1 - 2 * share)])
-        path = reference_path(
+        path = path_by_reference(
             driven(wave, restitution=restitution), phases=[0.0, 1.8 * jump],
             position=(0.0, 0.0, 0.01),
         )  # fmt: skip
@@ -390,8 +390,6 @@ def test_a_wave_that_does_not_close_is_no_drive() -> None:
         dataset = follow(method, {**open_wave, "friction": 0.3})
         assert dataset.motion_status.values[1] == STATUS["no_drive"]
         assert np.isnan(dataset.conveying_velocity.values).tolist() == [False, True]
-    with pytest.raises(ValueError, match="finite"):
-        reference_path(driven(levels([1.0], along=[math.nan])), phases=[0.0, 1.0])
 
 
 def test_a_course_shows_the_track() -> None:

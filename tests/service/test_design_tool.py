@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray
 
-from vibrafeed.app.jobs.keys import new_key
+from access import KEY, lock
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
 from waiting import PATIENCE
@@ -38,8 +38,9 @@ def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def access(serve) -> list[str]:
-    key, digest = new_key()
-    return ["--address", serve(workers=1, api_key_hashes=digest).address, "--key", key]
+    service = serve(workers=1)
+    lock(service.address, service.folder / "data")
+    return ["--address", service.address, "--key", KEY]
 
 
 def test_it_finds_simulates_and_draws(access, tmp_path):

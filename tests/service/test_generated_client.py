@@ -18,11 +18,11 @@ from waiting import PATIENCE
 pytestmark = pytest.mark.night  # the generator takes most of a minute
 
 ROOT = Path(__file__).parents[2]
+MOST_LINES = 12_000
 GENERATOR = "VIBRAFEED_CLIENT_GENERATOR"
 # The generator reads bytes of one media type only, and has to be told that ours is bytes, too.
 CONFIGURATION = {
     "content_type_overrides": {"application/x-netcdf": "application/octet-stream"},
-    "post_hooks": [],
 }
 
 # Run with the generator's Python, which has what its clients need. Each route is called, and what
@@ -84,14 +84,14 @@ call("healthz")
 call("readyz")
 assert "vibrafeed_requests_total" in call("metrics")
 scenes = call("list_scenes")
-assert call("describe_scene", scenes[0].name)["title"] == scenes[0].title
+assert call("describe_scene", scenes[0]["name"])["title"] == scenes[0]["title"]
 call("schema")
-assert call("list_figures")[0].name == "fig-3-3"
-assert call("list_friction", words="abs steel").pairs[0].part == "ABS"
-assert {link.rel for link in call("landing_page").links} > {"self", "service-desc"}
-assert call("conformance").conforms_to
-processes = call("list_processes").processes
-assert call("describe_process", processes[0].id).title == processes[0].title
+assert call("list_figures")[0]["name"] == "fig-3-3"
+assert call("list_friction", words="abs steel")["pairs"][0]["part"] == "ABS"
+assert {link["rel"] for link in call("landing_page")["links"]} > {"self", "service-desc"}
+assert call("conformance")["conformsTo"]
+process = call("list_processes")["processes"][0]
+assert call("describe_process", process["id"])["title"] == process["title"]
 
 study = models.SimulateStudy.from_dict(motion.to_dict())
 assert call("convert", body=motion, to=models.ConvertTo("python")).startswith("import vibrafeed")
@@ -101,19 +101,20 @@ assert call("post_sweep", body=sweep).to_dict() == posted.to_dict()
 assert call("get_sweep", posted.id).cells == 4
 sharing = models.Sharing.from_dict({"shared": True})
 assert call("share_sweep", posted.id, body=sharing).shared is True
-piece = call("get_slice", posted.id, output="acceleration_x", axes="beta", frequency="50")
+at = models.GetSliceAt.from_dict({"frequency": "50"})
+piece = call("get_slice", posted.id, output="acceleration_x", axes="beta", at=at)
 assert piece["axes"][0]["values"] == [15, 30]
 whole = call("get_netcdf", posted.id).payload.read()
 assert whole[:4] == b"\\x89HDF"
 assert json.load(call("get_zarr", posted.id, "zarr.json").payload)["zarr_format"] == 3
 
-assert call("execute_sweep", body=sweep)["cells"] == 4
-wrapped = models.SweepStudyExecution.from_dict({"inputs": {"study": sweep.to_dict()}})
-assert call("execute_sweep", body=wrapped)["cells"] == 4
-assert call("execute_optimise", body=best)["complete"] is True
-assert call("execute_sensitivity", body=unsure)["cells"] == 1
-assert call("execute_calibrate", body=measured, prefer="respond-async").job_id
-job = call("execute_simulate", body=motion, prefer="respond-async")
+assert call("execute", "sweep", body=sweep)["cells"] == 4
+wrapped = models.ExecuteRequest.from_dict({"inputs": {"study": sweep.to_dict()}})
+assert call("execute", "sweep", body=wrapped)["cells"] == 4
+assert call("execute", "optimise", body=best)["complete"] is True
+assert call("execute", "sensitivity", body=unsure)["cells"] == 1
+assert call("execute", "calibrate", body=measured, prefer="respond-async").job_id
+job = call("execute", "simulate", body=motion, prefer="respond-async")
 assert "event: status" in call("follow_job", job.job_id)
 job = call("get_job", job.job_id)
 assert (job.status.value, job.progress) == ("successful", 100), job
@@ -123,10 +124,10 @@ results = call("get_results", job.job_id)
 content = call("get_dataset", job.job_id).payload.read()
 assert len(content) == results.dataset.length
 open(file, "wb").write(content)
-job = call("execute_sweep", body=large, prefer="respond-async")
+job = call("execute", "sweep", body=large, prefer="respond-async")
 call("follow_job", job.job_id)
 assert json.load(call("get_group", job.job_id, "zarr.json").payload)["zarr_format"] == 3
-job = call("execute_accuracy", body=sweep, prefer="respond-async")
+job = call("execute", "accuracy", body=sweep, prefer="respond-async")
 call("follow_job", job.job_id)
 measured = call("get_results", job.job_id)
 page = [link.href for link in measured.files if link.type_ == "text/markdown"][0]
@@ -141,21 +142,20 @@ PARSED = {
     "healthz": "Health",
     "readyz": "Readiness",
     "metrics": "str",
-    "list_scenes": "SceneLine",
-    "list_figures": "Figure",
-    "list_friction": "FrictionTable",
+    "list_scenes": "Document",
+    "list_figures": "Document",
+    "list_friction": "Document",
     "convert": "str",
-    "landing_page": "LandingPage",
-    "conformance": "Conformance",
-    "list_processes": "ProcessList",
-    "describe_process": "ProcessDescription",
+    "landing_page": "Document",
+    "conformance": "Document",
+    "list_processes": "Document",
+    "describe_process": "Document",
     "post_sweep": "SweepDescription",
     "get_sweep": "SweepDescription",
     "share_sweep": "SweepDescription",
     "share_job": "StatusInfo",
     "get_netcdf": "File",
     "get_zarr": "File",
-    "execute_simulate": "StatusInfo",
     "list_jobs": "JobList",
     "get_job": "StatusInfo",
     "dismiss_job": "StatusInfo",
@@ -203,12 +203,24 @@ def folder(generator: str, document: dict[str, Any], tmp_path_factory) -> Path:
     (folder / "configuration.json").write_text(json.dumps(CONFIGURATION))
     command = [generator, "generate", "--path", "openapi.json", "--config", "configuration.json",
                "--output-path", "made", "--meta", "none", "--fail-on-warning"]  # fmt: skip
+    path = os.pathsep.join([str(Path(generator).parent), os.environ["PATH"]])  # its formatter
     done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, timeout=PATIENCE, check=False
+        command,
+        env=os.environ | {"PATH": path},
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "warning" not in (done.stdout + done.stderr).lower()
     return folder
+
+
+def test_a_client_is_small(folder):
+    files = (folder / "made").rglob("*.py")
+    assert sum(len(path.read_text().splitlines()) for path in files) <= MOST_LINES
 
 
 def test_no_route_is_left_out(folder, document):
@@ -230,5 +242,4 @@ def test_the_client_calls_every_route(folder, document, generator, server, tmp_p
     assert {name: kinds[name] for name in PARSED} == {n: {kind} for n, kind in PARSED.items()}
     # Two POSTs of a study: new, and known. A job is made once.
     assert [status for status, _ in report["post_sweep"]] == [201, 200]
-    assert [status for status, _ in report["execute_simulate"]] == [201]
     assert file.read_bytes()[:4] == b"\x89HDF"

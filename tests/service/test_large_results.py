@@ -72,7 +72,7 @@ def test_it_is_read_while_it_grows_and_survives_kills(server: Server, tmp_path: 
     job = server.waited(number, lambda job: job["progress"] >= 10)
     assert job["status"] == "running"
     growing = group(server, number)
-    assert "being written" in growing.attrs["comment"]
+    assert "unfinished" in growing.attrs
     assert dict(growing.sizes) == {
         "frequency": FREQUENCIES,
         "amplitude": 80,

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import json
 import os
 import re
+import select
 import shutil
 import socket
 import ssl
 import subprocess
+import sys
 import tarfile
 import urllib.parse
 import urllib.request
@@ -21,6 +24,7 @@ from dockerfile_parse import DockerfileParser
 
 from benchmarks.serving import free_port
 from tools import tool
+from vibrafeed.core.code_version import code_version
 from waiting import PATIENCE, SELDOM, wait_for
 
 ROOT = Path(__file__).parents[2]
@@ -83,7 +87,8 @@ def proxied(nginx, folder, service):
     configuration = folder / "nginx.conf"
     configuration.write_text(
         f"daemon off; pid {folder / 'pid'}; error_log {folder / 'errors'};\n"
-        f"events {{}}\nhttp {{ access_log off; {temporary}\n{block} }}\n"
+        f"worker_rlimit_nofile 4096;\nevents {{ worker_connections 2048; }}\n"
+        f"http {{ access_log off; {temporary}\n{block} }}\n"
     )
     process = subprocess.Popen([nginx, "-c", configuration, "-e", folder / "errors"])
     try:
@@ -105,7 +110,7 @@ def proxied(nginx, folder, service):
 @pytest.fixture(scope="module")
 def service(serve):
     """Return a service as it stands behind a proxy; by itself it is asked without the path."""
-    return serve(root_path="/vibrafeed", workers=1)
+    return serve("--behind-proxy", root_path="/vibrafeed", workers=1)
 
 
 def test_a_proxy_with_tls_and_a_path(service, tmp_path):
@@ -137,6 +142,76 @@ def test_a_proxy_with_tls_and_a_path(service, tmp_path):
         assert b'"successful"' in events
     # Without the proxy, too: a container's health check asks so.
     assert ask(service.address, "/healthz")["status"] == "ok"
+
+
+class Slow:
+    """Clients that begin a request over TLS, and neither finish it nor read the reply."""
+
+    def __init__(self, address: str, context: ssl.SSLContext, stack: contextlib.ExitStack):
+        self._port, self._context, self._stack = urllib.parse.urlsplit(address).port, context, stack
+
+    def begin(self, request: str, source: str = "127.0.0.1") -> ssl.SSLSocket:
+        """Return a connection from an address of this machine, on which a text has been sent."""
+        plain = socket.socket()
+        plain.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        plain.settimeout(PATIENCE)
+        plain.bind((source, 0))
+        plain.connect(("127.0.0.1", self._port))
+        client = self._context.wrap_socket(plain, server_hostname="localhost")
+        self._stack.enter_context(contextlib.closing(client))
+        client.sendall(request.replace("\n", "\r\n").encode())
+        return client
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="an address of its own")
+def test_slow_clients_stay_at_the_proxy(service, tmp_path):
+    """None of them reaches the service: of its requests under way, there is that of the test."""
+    nginx = tool("nginx")
+    tool("openssl")
+    large = {
+        **SWEEP,
+        "parameters": {
+            **SWEEP["parameters"],
+            "frequency": {"start": 10, "stop": 90, "num": 1000},
+            "beta": {"start": 0, "stop": 90, "num": 1000},
+        },
+    }
+    key = ask(service.address, "/sweeps", large)["id"]
+    slice_ = f"/vibrafeed/sweeps/{key}/slice?output=throw_number&axes=frequency,beta&format=binary"
+
+    def under_way() -> float:
+        figures = ask(service.address, "/metrics").decode()
+        return float(re.search(r"^vibrafeed_requests_under_way (.*)$", figures, re.M)[1])
+
+    with proxied(nginx, tmp_path, service) as (address, context), contextlib.ExitStack() as stack:
+        slow = Slow(address, context, stack)
+        readers = [slow.begin(f"GET {slice_} HTTP/1.1\nHost: localhost\n\n") for _ in range(20)]
+        for reader in readers:
+            assert reader.recv(12) == b"HTTP/1.1 200"
+        for _ in range(100):
+            slow.begin("GET /vibrafeed/scenes HTTP/1.1\nHost: loc")
+        post = "POST /vibrafeed/sweeps HTTP/1.1\nHost: localhost\nContent-Length: 1000\n\n{"
+        bodies = [slow.begin(post) for _ in range(100)]
+        wait_for(lambda: under_way() == 1)
+        # One address has so many requests under way and no more; another is answered.
+        refused = slow.begin(post)
+        assert refused.recv(12) == b"HTTP/1.1 429"
+        assert not select.select(bodies[:50], [], [], 0)[0]  # those wait on
+        plain = "GET /vibrafeed/healthz HTTP/1.1\nHost: localhost\nConnection: close\n\n"
+        for _ in range(20):
+            assert slow.begin(plain, "127.0.0.2").recv(12) == b"HTTP/1.1 200"
+        assert under_way() == 1
+
+
+def test_the_proxy_compresses(service, tmp_path):
+    nginx = tool("nginx")
+    tool("openssl")
+    with proxied(nginx, tmp_path, service) as (address, context):
+        request = urllib.request.Request(f"{address}/scenes", headers={"Accept-Encoding": "gzip"})
+        with urllib.request.urlopen(request, timeout=PATIENCE, context=context) as reply:
+            assert reply.headers["content-encoding"] == "gzip"
+            scenes = json.loads(gzip.decompress(reply.read()))
+        assert scenes == ask(address, "/scenes", context=context)
 
 
 def shell(commands, **variables):
@@ -180,10 +255,12 @@ def test_data_of_an_earlier_commit_are_served_and_its_work_goes_on(serve):
     assert done["status"] == "successful"
     dataset = ask(service.address, f"/jobs/{done['jobID']}/results/dataset")
     assert dataset == results[done["study"]]
+    about = ask(service.address, f"/jobs/{done['jobID']}/results")["dataset"]
+    assert about["version"] == "0.1.0"
     waited = finished(service.address, jobs["simulate"]["jobID"])
-    # Identifiers hold the version: a later one does not do the work, and says so.
-    done = waited["status"] == "successful"
-    assert done or "another version" in waited["message"], waited
+    assert waited["status"] == "successful", waited
+    about = ask(service.address, f"/jobs/{waited['jobID']}/results")["dataset"]
+    assert about["version"] == code_version()
 
 
 def test_the_container_is_as_the_page_tells():

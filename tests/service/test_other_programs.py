@@ -1,17 +1,23 @@
-"""Results as Octave, R and LibreOffice read them, where these are installed: the same numbers."""
+"""Results as Octave, R, LibreOffice and an older xarray read them, where these are installed."""
 
 from __future__ import annotations
 
 import csv
 import shutil
 import subprocess
+import textwrap
 from pathlib import Path
 
 import pytest
 
 from results import check_same, rows, table_of_motion, written
+from tools import absent
+from vibrafeed.core.dataset.files import Storage
+from vibrafeed.core.dataset.formats import write_result
 
 SECONDS = 180
+OLDER = Path(__file__).parents[2] / ".venv-older" / "bin" / "python"
+"""An environment with xarray 2024.6 and zarr 2.18, which reads no Zarr of version 3."""
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +100,27 @@ def test_r_reads_netcdf(places, motion):
     assert numbers(regimes) == motion.variables["regime"].values.ravel().tolist()
     assert units.strip() == "m s-1"
     assert "CF-1.11" in conventions
+
+
+def test_an_older_xarray_reads_netcdf_and_zarr_of_version_2(places, motion, tmp_path):
+    if not OLDER.exists():
+        absent("an older xarray is not installed")
+    group = tmp_path / "x.zarr"
+    write_result(motion, str(group), history="", storage=Storage(zarr_version=2))
+    code = f"""
+        import xarray
+        for place, engine in (({str(places[".nc"])!r}, "netcdf4"), ({str(group)!r}, "zarr")):
+            found = xarray.open_dataset(place, engine=engine)
+            assert found.regime.dtype == "int8"
+            print(*found.conveying_velocity.values.ravel().tolist())
+            print(found.conveying_velocity.units)
+            print(found.attrs["study"])
+    """
+    lines = said(str(OLDER), "-c", textwrap.dedent(code)).splitlines()
+    speeds = motion.variables["conveying_velocity"].values.ravel().tolist()
+    for of_file in (lines[:3], lines[3:]):
+        assert numbers(of_file[0]) == speeds
+        assert of_file[1:] == ["m s-1", motion.attributes["study"]]
 
 
 def test_libreoffice_reads_excel(places, motion, tmp_path: Path):

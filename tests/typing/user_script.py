@@ -28,7 +28,7 @@ motion = vf.simulate(
 )
 speed: xarray.DataArray = motion["conveying_velocity"]
 study = vf.study(kind="sweep", scene="rectangle-on-plane", friction=0.3)
-changed = vf.sweep(study, beta=(10, 20), precision="single")
+changed = vf.sweep(study, beta=(10, 20))
 for source in ("study.toml", Path("study.toml"), {"scene": "rectangle-on-plane"}, None):
     vf.simulate(source, scene="rectangle-on-plane", title="again")
 name = "rectangle-on-plane"  # not known to be one of the scenes

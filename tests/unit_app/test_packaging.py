@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import json
 import re
+import socket
 import subprocess
 import sys
 import tomllib
@@ -50,6 +52,44 @@ def test_the_image_runs_as_nobody_special_in_a_folder_of_another_name(dockerfile
     assert values["USER"] == "10001"
     assert values["WORKDIR"] != "/app"
     assert "healthz" in values["HEALTHCHECK"]
+
+
+def test_the_base_of_the_image_is_named_by_its_digest_and_has_an_init(dockerfile):
+    bases = {e["value"].split()[0] for e in dockerfile.structure if e["instruction"] == "FROM"}
+    (base,) = bases
+    assert re.fullmatch(r"python:3\.11-slim-bookworm@sha256:[0-9a-f]{64}", base)
+    values = {entry["instruction"]: entry["value"] for entry in dockerfile.structure}
+    assert json.loads(values["ENTRYPOINT"]) == ["tini", "--"]
+
+
+def test_the_health_check_of_the_image_fails_unless_the_reply_is_200(dockerfile):
+    values = {entry["instruction"]: entry["value"] for entry in dockerfile.structure}
+    command = json.loads(values["HEALTHCHECK"].partition(" CMD ")[2])
+    for status, code in ((b"200 OK", 0), (b"503 Service Unavailable", 1)):
+        with socket.create_server(("127.0.0.1", 0)) as listening:
+            port = str(listening.getsockname()[1])
+            asking = subprocess.Popen([word.replace("8000", port) for word in command])
+            connection, _ = listening.accept()
+            with connection, connection.makefile("rb") as request:
+                assert request.readline() == b"GET /healthz HTTP/1.1\r\n"
+                assert request.readline().startswith(b"Host: ")
+                connection.sendall(b"HTTP/1.1 " + status + b"\r\n\r\n")
+                assert asking.wait() == code
+
+
+def test_the_image_installs_what_the_service_needs_by_hashes():
+    text = (ROOT / "requirements-image.txt").read_text()
+    entry = r"^([\w.-]+)==(\S+)((?: \\\n    --hash=sha256:[0-9a-f]{64})+)\n"
+    versions = {name: version for name, version, _ in re.findall(entry, text, re.M)}
+    assert len(versions) == len(re.findall(r"^\w.*==", text, re.M))
+    constraints = (ROOT / "constraints.txt").read_text().lower().replace("_", "-").splitlines()
+    for name, version in versions.items():
+        assert any(line.startswith(f"{name}=={version}") for line in constraints), name
+    extras = PROJECT["optional-dependencies"]
+    asked = [*PROJECT["dependencies"], *extras["plot"], *extras["serve"], *extras["postgres"]]
+    for name in (re.split(r"[<>=\[]", name)[0].lower() for name in asked):
+        assert name in versions
+    assert not {"pyarrow", "obstore", "pip"} & versions.keys()
 
 
 def test_every_dependency_has_a_pinned_version_and_a_reason():

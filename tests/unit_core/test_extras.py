@@ -28,11 +28,13 @@ def names(requirements: list[str]) -> set[str]:
 
 
 def of_service(file: str) -> bool:
-    """True for the files that only `vibrafeed serve` and `key` load."""
+    """True for the files that only `vibrafeed serve`, `key` and `mcp` load."""
     base = ["accuracy", "blocks", "errors", "manifest", "shares", "studies"]
     if file.startswith("app/jobs/"):
         return Path(file).stem not in base
-    return file.startswith(("app/web/", "app/main", "app/logs", "app/settings", "app/spans"))
+    return file.startswith(
+        ("app/web/", "app/main", "app/logs", "app/settings", "app/spans", "app/mcp")
+    )
 
 
 DEPENDENCIES = names(PROJECT["dependencies"])
@@ -81,7 +83,7 @@ def test_who_only_computes_needs_no_package_of_the_service():
         packages = {normal(name) for name in distributions.get(module, [module])}
         if not packages & (DEPENDENCIES | asked):
             assert all(map(of_service, files)), (module, files)
-            extras = [EXTRAS["serve"], EXTRAS["traces"], EXTRAS["postgres"]]
+            extras = [EXTRAS[name] for name in ("serve", "traces", "postgres", "mcp")]
             assert packages & set().union(*extras), module
     assert not DEPENDENCIES & {"distributed", "fastapi", "sqlalchemy", "cryptography", "orjson"}
     assert {"vibrafeed"} <= EXTRAS["dev"]  # whose tests need the service
@@ -94,7 +96,7 @@ def test_every_package_that_is_declared_has_its_version():
 
 
 def test_workbooks_and_zarr_come_with_the_program():
-    assert {"openpyxl", "zarr", "dask"} <= DEPENDENCIES
+    assert {"openpyxl", "xlsxwriter", "zarr", "dask"} <= DEPENDENCIES
     assert EXTRAS["tables"] == {"pyarrow"}
 
 

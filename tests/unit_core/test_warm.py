@@ -12,7 +12,7 @@ from waiting import wait_for
 STARTED = """
 import multiprocessing, os, time
 from concurrent.futures import ProcessPoolExecutor
-from vibrafeed.core.warm import end_with_parent
+from vibrafeed.core.system import end_with_parent
 pool = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), end_with_parent)
 print(pool.submit(os.getpid).result(), flush=True)
 time.sleep(600)

@@ -1,4 +1,4 @@
-// What can be taken away: the numbers, the picture, the study, a link.
+// Take away: the sheet, the numbers, the picture, the study, a link, in one menu.
 
 import { element, fill } from "./elements.js";
 import { file, follow, key, put, text } from "./service.js";
@@ -6,126 +6,138 @@ import { save } from "./saving.js";
 
 // Files of numbers, and texts of a study as the service writes them.
 const FORMS = {
+  xlsx: ["Table (XLSX)", "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"],
+  csv: ["Table (CSV)", "text/csv"],
   nc: ["NetCDF", "application/x-netcdf"],
-  csv: ["CSV", "text/csv"],
-  xlsx: ["XLSX", "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"],
 };
-
 const TEXTS = {
   toml: ["Study (TOML)", "study.toml"],
-  curl: ["curl", "study.sh"],
-  python: ["Python", "study.py"],
+  curl: ["Code for curl", "study.sh"],
+  python: ["Code in Python", "study.py"],
 };
 
 // A service with keys wants one; a file that is passed on holds none.
-export function withKey(command) {
+function withKey(command) {
   return command.replace(/^curl /, 'curl -H "Authorization: Bearer $VIBRAFEED_KEY" ');
 }
 
 export class Away {
-  // `study()` is that of the picture, `best()` that of the best; `picture(what)` what is drawn of it,
-  // `told()` its title, values and link.
-  constructor(host, { study, best, picture, told, tell }) {
-    this.of = { picture, best, values: study, told, tell };
-    this.what = element(
-      "select",
-      { id: "away-what" },
-      element("option", { value: "values" }, "The picture"),
-      element("option", { value: "best" }, "The best"),
-    );
-    this.choice = element(
-      "div",
-      { class: "field", hidden: true },
-      element("label", { for: "away-what" }, "Of"),
-      this.what,
-    );
-    this.said = element("p", { role: "status" });
+  // `study(what)` is that of the picture or of the best, `picture()` what is drawn of it, `told()` its title, values
+  // and link, `hasBest()` whether there is a best.
+  constructor(host, { study, picture, told, tell, hasBest }) {
+    this.study = study;
+    this.picture = picture;
+    this.told = told;
+    this.tell = tell;
+    this.hasBest = hasBest;
+    this.said = element("p", { role: "status", id: "away-told" });
     this.text = element("pre", { hidden: true, tabindex: "0" });
-    const button = (title, onclick) => element("button", { type: "button", onclick }, title);
+    this.toggle = element("button", { type: "button", id: "take-away", "aria-haspopup": "menu", "aria-expanded": "false", "aria-controls": "away-menu", onclick: () => this.open(this.menu.hidden) }, element("span", {}, "Take away"));
+    this.menu = element("div", { role: "menu", id: "away-menu", hidden: true, "aria-label": "Take away", onkeydown: (event) => this.press(event) });
+    this.dialog = element("div", { class: "away-told", hidden: true }, element("button", { type: "button", class: "remove", "aria-label": "Close", onclick: () => (this.dialog.hidden = true) }, "×"), this.said, this.text);
+    fill(host, this.toggle, this.menu, this.dialog);
+    document.addEventListener("pointerdown", (event) => {
+      if (!this.menu.hidden && event.target instanceof Node && !host.contains(event.target)) this.open(false);
+    });
+  }
+
+  open(isOpen) {
+    if (isOpen) this.list();
+    if (isOpen) this.dialog.hidden = true;
+    this.menu.hidden = !isOpen;
+    this.toggle.setAttribute("aria-expanded", String(isOpen));
+    if (isOpen) this.menu.querySelector("button").focus();
+  }
+
+  list() {
+    const item = (title, onclick) => element("button", { type: "button", role: "menuitem", tabindex: "-1", onclick: () => this.choose(onclick) }, title);
+    const best = this.hasBest();
     fill(
-      host,
-      element("h2", {}, "Take away"),
-      this.choice,
-      element(
-        "div",
-        { class: "buttons" },
-        ...Object.entries(FORMS).map(([suffix, [title]]) => button(title, () => this.numbers(suffix))),
-        button("SVG", () => this.svg()),
-        button("PNG", () => this.png()),
-        ...Object.entries(TEXTS).map(([form, [title, name]]) => button(title, () => this.study(form, name))),
-        button("Link", () => this.link()),
-      ),
-      this.said,
-      this.text,
+      this.menu,
+      item("Print a sheet", () => this.print()),
+      item("Link", () => this.link()),
+      item("Picture (SVG)", () => this.svg()),
+      item("Picture (PNG)", () => this.png()),
+      ...Object.entries(FORMS).map(([suffix, [title]]) => item(title, () => this.numbers(suffix, "values"))),
+      ...Object.entries(TEXTS).map(([form, [title, name]]) => item(title, () => this.written(form, name, "values"))),
+      ...(best ? [item("Study of the best (TOML)", () => this.written("toml", "study.toml", "best")), item("Best as a table (CSV)", () => this.numbers("csv", "best"))] : []),
     );
   }
 
-  // Whether there is a best that can be taken away, too.
-  offer(hasBest) {
-    this.choice.hidden = !hasBest;
-    this.what.value = "values";
+  choose(onclick) {
+    this.open(false);
+    this.toggle.focus();
+    onclick();
   }
 
-  picture() {
-    return this.of.picture(this.what.value);
+  press(event) {
+    const items = [...this.menu.querySelectorAll("button")];
+    const at = items.indexOf(/** @type {any} */ (document.activeElement));
+    const to = { ArrowDown: at + 1, ArrowUp: at - 1 + items.length, Home: 0, End: items.length - 1 }[event.key];
+    if (event.key === "Escape" || event.key === "Tab") {
+      this.open(false);
+      if (event.key === "Escape") this.toggle.focus();
+      return;
+    }
+    if (to === undefined) return;
+    event.preventDefault();
+    items[to % items.length].focus();
   }
 
-  chosen() {
-    return this.of[this.what.value]();
+  print() {
+    window.print();
   }
 
-  async study(form, name) {
+  say(told, content = null) {
+    this.dialog.hidden = !told && !content;
+    this.said.textContent = told;
+    this.text.hidden = content === null;
+    this.text.textContent = content ?? "";
+  }
+
+  async written(form, name, what) {
     try {
-      const written = await text(`/convert?to=${form}`, this.chosen());
-      this.show(name, form === "curl" && key.get() ? withKey(written) : written);
-      if (form === "curl" && key.get()) this.said.textContent = "Set VIBRAFEED_KEY to your key before you run the command.";
+      const found = await text(`/convert?to=${form}`, this.study(what));
+      const isKeyed = form === "curl" && key.get();
+      const content = isKeyed ? withKey(found) : found;
+      this.say(isKeyed ? "Set VIBRAFEED_KEY to your key before you run the command." : `${name} is saved.`, content);
+      save(new Blob([content], { type: "text/plain" }), name);
     } catch (error) {
-      this.said.textContent = [error.message, ...(error.errors ?? []).map((one) => one.message)].join(" ");
+      this.say([error.message, ...(error.errors ?? []).map((one) => one.message)].join(" "));
     }
   }
 
   async link() {
-    this.show(null, location.href);
     try {
       await navigator.clipboard.writeText(location.href);
-      this.said.textContent = "The link is copied.";
+      this.say("The link is copied.", location.href);
     } catch {
-      this.said.textContent = "This link opens the page with the same settings:";
+      this.say("This link opens the page with the same settings:", location.href);
     }
   }
 
-  show(name, text) {
-    this.text.hidden = false;
-    this.text.textContent = text;
-    this.said.textContent = "";
-    if (name) save(new Blob([text], { type: "text/plain" }), name);
-  }
-
-  async numbers(suffix) {
-    this.said.textContent = "The service is making the file ...";
-    const [, type] = FORMS[suffix];
+  async numbers(suffix, what) {
+    this.say("The service is making the file ...");
     try {
-      const study = this.chosen();
-      const { content } = await put(`/processes/${study.kind}/execution`, study, {
-        headers: { Prefer: "respond-async" },
-      });
+      const study = this.study(what);
+      const { content } = await put(`/processes/${study.kind}/execution`, study, { headers: { Prefer: "respond-async" } });
       const job = await follow(content, (now) => {
-        this.of.tell(now);
-        this.said.textContent = `${now.message} ${now.progress} %`;
+        this.tell(now);
+        this.say(`${now.message} ${now.progress} %`);
       });
-      save(await file(`/jobs/${job.jobID}/results/dataset`, type), `vibrafeed.${suffix}`);
-      this.said.textContent = `vibrafeed.${suffix} is saved.`;
+      save(await file(`/jobs/${job.jobID}/results/dataset`, FORMS[suffix][1]), `vibrafeed.${suffix}`);
+      this.say(`vibrafeed.${suffix} is saved.`);
     } catch (error) {
-      this.said.textContent = error.message;
+      this.say(error.message);
     }
   }
 
   svgText() {
     const style = [...document.styleSheets]
-      .filter((sheet) => sheet.href?.endsWith("page.css"))
+      .filter((sheet) => /page(-[0-9a-z]+)?\.css$/i.test(sheet.href ?? ""))
       .flatMap((sheet) => [...sheet.cssRules].map((rule) => rule.cssText))
       .join("\n");
-    return this.picture().svgText(style, this.of.told());
+    return this.picture().svgText(style, this.told());
   }
 
   svg() {

@@ -5,7 +5,7 @@ import { label, number, shown } from "./words.js";
 
 export const { ticks } = /** @type {any} */ (window).d3;
 
-export const FRAME = { left: 62, right: 14, top: 10, bottom: 46 };
+export const FRAME = { left: 52, right: 12, top: 10, bottom: 42 };
 
 const FAR = 1e6; // px: beyond all screens, and a number that a picture takes
 
@@ -57,15 +57,15 @@ export function axesDrawn(x, y, width, height) {
   group.append(
     drawn(
       "text",
-      { x: (left + width - right) / 2, y: height - 8, "text-anchor": "middle", class: "label" },
+      { x: (left + width - right) / 2, y: height - 6, "text-anchor": "middle", class: "pale" },
       x.label,
     ),
     drawn(
       "text",
       {
-        transform: `translate(14 ${(top + height - bottom) / 2}) rotate(-90)`,
+        transform: `translate(12 ${(top + height - bottom) / 2}) rotate(-90)`,
         "text-anchor": "middle",
-        class: "label",
+        class: "pale",
       },
       y.label,
     ),

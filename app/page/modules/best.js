@@ -1,7 +1,7 @@
 // The best of a view: made whole, and as a study.
 
 import { FIGURES, NEEDS_OTHER, usualBest } from "./criterion.js";
-import { givenValues, shownParameters, typical } from "./view.js";
+import { givenNames, givenValues, shownParameters, typical } from "./view.js";
 import { capital, words } from "./words.js";
 
 // The best of a view made whole, and a sentence about each part of it that made no sense.
@@ -36,18 +36,9 @@ export function completeBest(view, scene) {
   return { best, complaints };
 }
 
-// The names that a view gives values or ranges, and those that these stand for.
-function givenBy(view, scene) {
-  const names = new Set([view.x.name, view.y?.name, ...Object.keys(view.values)]);
-  for (const { name, instead_of: instead } of scene.parameters) {
-    if (names.has(name)) for (const one of instead ?? []) names.add(one);
-  }
-  return names;
-}
-
 // The outputs that a study tells besides its criterion: those where something begins at a level.
-export function levelled(view, scene) {
-  const known = givenBy(view, scene);
+function levelled(view, scene) {
+  const known = givenNames(view, scene);
   return scene.outputs.filter(
     ({ name, level, required }) =>
       Number.isFinite(level) && name !== view.output && required.every((one) => known.has(one)),
@@ -58,7 +49,7 @@ export function levelled(view, scene) {
 export function furtherOf(view, scene) {
   const { best } = view;
   const named = [...(NEEDS_OTHER.has(best.kind) ? [best.against] : []), ...best.limits.map(({ output }) => output)];
-  const known = givenBy(view, scene);
+  const known = givenNames(view, scene);
   const found = new Map();
   for (const output of named) {
     const required = scene.outputs.find(({ name }) => name === output)?.required ?? [];
@@ -97,7 +88,8 @@ export function bestStudy(view, scene) {
   if (NEEDS_OTHER.has(best.kind)) study.criterion.against = best.against;
   const figure = FIGURES[best.kind];
   if (figure) study.criterion[figure] = best[figure];
-  const outputs = levelled(view, scene).map(({ name }) => name).filter((name) => name !== study.criterion.against);
+  const told = scene.outputs.filter(({ name }) => name === "hop_height" && name !== view.output);
+  const outputs = [...levelled(view, scene), ...told].map(({ name }) => name).filter((name) => name !== study.criterion.against);
   if (outputs.length) study.outputs = outputs;
   if (view.kind === "sweep" && !best.isInContact) {
     study.floor_contact = false;

@@ -1,39 +1,28 @@
-// Colours of values: one rule for all of them, so that colours change only as much as values do.
-//
-// Values from 0 on are viridis; values below 0 have a warm scale that begins with the same dark colour
-// at 0. Where both signs occur, both sides have the same measure, and 0 is the darkest.
+// Colours of values: blue forwards, orange backwards, light at zero, in steps at round values.
 
-const FROM_ZERO = [
-  [68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141],
-  [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37],
-];
-const BELOW_ZERO = [
-  [68, 1, 84], [99, 8, 94], [132, 20, 97], [165, 36, 92], [196, 58, 82],
-  [222, 87, 69], [241, 124, 58], [250, 169, 72], [252, 219, 130],
-];
-const STEPS = 256;
+const FORWARDS = ["F4F5F5", "CFE1F0", "97C0E2", "5596CB", "1F68AE", "0A3F77", "061F42"].map(channels);
+const BACKWARDS = ["F4F5F5", "F7DBBE", "EDB27A", "D4833A", "A85610", "703403", "3D1B00"].map(channels);
+const STEPS = 18;
+const FROM_ZERO = 0.5; // of the largest value: what begins below it begins at zero
 const SAMPLE = 4000; // values
 
+function channels(hex) {
+  return [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16));
+}
+
 function mixed(stops, share) {
-  const at = share * (stops.length - 1);
+  const at = Math.min(1, share) * (stops.length - 1);
   const low = Math.min(Math.floor(at), stops.length - 2);
-  return stops[low].map((first, c) => first + (at - low) * (stops[low + 1][c] - first));
+  return stops[low].map((first, c) => Math.round(first + (at - low) * (stops[low + 1][c] - first)));
 }
 
-// The colours between two ends, at STEPS places.
-function table(low, high) {
-  const found = new Uint8ClampedArray(STEPS * 3);
-  const measure = low < 0 && high > 0 ? Math.max(-low, high) : high - low;
-  const nearest = low < 0 && high > 0 ? 0 : low >= 0 ? low : high; // what is as dark as can be
-  for (let i = 0; i < STEPS; i++) {
-    const value = low + (i / (STEPS - 1)) * (high - low);
-    const share = Math.min(1, Math.abs(value - nearest) / measure);
-    found.set(mixed(value >= nearest && high > 0 ? FROM_ZERO : BELOW_ZERO, share), 3 * i);
-  }
-  return found;
+// The next round number: 1, 2 or 5 times a power of ten.
+function roundUp(value) {
+  const power = 10 ** Math.floor(Math.log10(value) + 1e-9);
+  return [1, 2, 5, 10].map((one) => one * power).find((one) => one >= value * (1 - 1e-9));
 }
 
-// The scale for values: its ends, and the colour of each. What sticks out far is cut.
+// The scale of values: {low, high, step, bands}, the colour of each step. What sticks out far is cut.
 export function scaleOf(values) {
   let low = Infinity;
   let high = -Infinity;
@@ -46,10 +35,30 @@ export function scaleOf(values) {
   if (high - low > 4 * (most[1] - most[0]) && most[1] > most[0]) [low, high] = most;
   if (high - low < 1e-9 * Math.max(Math.abs(low), Math.abs(high), 1e-300)) {
     const room = 0.05 * Math.max(Math.abs(low), Math.abs(high)) || 1;
-    low -= room;
-    high += room;
+    [low, high] = low === 0 ? [0, room] : [low - room, high + room];
   }
-  return { low, high, lut: table(low, high), steps: STEPS };
+  if (low > 0 && low < FROM_ZERO * high) low = 0;
+  if (high < 0 && high > FROM_ZERO * low) high = 0;
+  const step = roundUp((high - low) / STEPS);
+  const first = Math.floor(low / step + 1e-9);
+  const last = Math.max(first + 1, Math.ceil(high / step - 1e-9));
+  const isSigned = first < 0 && last > 0;
+  const measure = isSigned ? Math.max(-first, last) : last - first;
+  const bands = Array.from({ length: last - first }, (_, k) => {
+    const middle = first + k + 0.5;
+    if (isSigned || first >= 0) {
+      const from = isSigned ? 0 : first;
+      return mixed(middle >= 0 ? FORWARDS : BACKWARDS, Math.abs(middle - from) / measure);
+    }
+    return mixed(BACKWARDS, (last - middle) / measure);
+  });
+  return { low: first * step + 0, high: last * step + 0, step, bands }; // no -0
+}
+
+// The place of a value among the bands; what lies beyond the ends is in the outermost.
+export function bandOf({ low, step, bands }, value) {
+  const at = Math.floor((value - low) / step + 1e-9);
+  return at < 0 ? 0 : at >= bands.length ? bands.length - 1 : at;
 }
 
 // Where all but a hundredth lie at either end, judged by some of the values: sorting all of a fine map

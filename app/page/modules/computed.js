@@ -1,49 +1,109 @@
-// From a view to numbers: slices of a sweep, or the motion of a grid of parts.
+// From a view to numbers: slices of a sweep, the motion of a grid of parts, or one design.
 
 import { carryOut, put, slice } from "./service.js";
-import { givenValues } from "./view.js";
+import { givenNames, givenValues } from "./view.js";
+import { duration } from "./words.js";
 
 /** @typedef {import("./view.js").View} View */
-/** @typedef {import("./view.js").Point} Point */
+/** @typedef {{held?: any, signal?: AbortSignal, tell?: (job: any) => void, show?: (found: any) => void, isAgreed?: boolean}} How */
 
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
 const COARSE = 30; // of motion, while something is dragged and first of all
+const ROUGH = 10; // of methods that take long
 const BETWEEN = 3; // parts between neighbours, at which regimes are asked for along borders
 const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer values
+const CONSENT = 60; // s of computing that are not begun without being asked for
 const LINE = 201;
 const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
 const DRAGGED = 101; // places of a slider
 const MAX_KEPT = 32; // slices, of 0.4 MB
-const MAX_UNDER_WAY = 2;
-// What is asked for beside the course of a part, where the scene has it.
-const AT_A_POINT = ["conveying_velocity", "throw_number", "hop_height", "platoons"];
+const MAX_SWEPT = 64; // outputs of one design
+// What is asked for of one design, where the scene has it.
+const AT_A_POINT = [
+  "conveying_velocity", "drift_velocity", "throw_number", "hop_height", "flight_fraction", "platoons",
+  "platoon_size_1", "platoon_velocity_1", "natural_frequency", "oriented_feed_rate_lower", "oriented_feed_rate_upper",
+  "line_feed_rate", "return_rate", "purity",
+];
+const SHARES = /_share_/;
 
 function span(axis, num) {
   return { start: axis.from, stop: axis.to, num };
 }
 
-function parametersOf(view, num) {
-  const parameters = givenValues(view);
-  parameters[view.x.name] = span(view.x, view.y ? num : LINE);
-  if (view.y) parameters[view.y.name] = span(view.y, num);
-  return parameters;
+// The recording of a drive, as a study has it.
+export function recordedDrive({ set, recording }) {
+  return set === "recorded" && recording ? { drive: recording.drive } : {};
 }
 
-function studyOf(view, num = FINE[view.kind]) {
+// A study of the outputs of a view with some parameters.
+export function studyWith(view, outputs, parameters) {
   const choice = view.kind === "sweep" ? "variant" : "method";
   return {
     kind: view.kind,
     scene: view.scene,
     ...(view.choice ? { [choice]: view.choice } : {}),
-    outputs: [view.output],
+    outputs,
     ...recordedDrive(view),
-    parameters: parametersOf(view, num),
+    parameters,
   };
 }
 
-// The recording of a drive, as a study has it.
-export function recordedDrive({ set, recording }) {
-  return set === "recorded" && recording ? { drive: recording.drive } : {};
+function mapStudy(view, num = FINE[view.kind]) {
+  const parameters = givenValues(view);
+  parameters[view.x.name] = span(view.x, view.y ? num : LINE);
+  if (view.y) parameters[view.y.name] = span(view.y, num);
+  return studyWith(view, [view.output], parameters);
+}
+
+// The outputs of one design: that of the view, what its answer tells, and of a list all that can be computed.
+function outputsOf(view, scene, isList) {
+  const known = givenNames(view, scene);
+  const isKnown = ({ required }) => required.every((name) => known.has(name));
+  const isTold = ({ name }) => AT_A_POINT.includes(name) || (SHARES.test(name) && view.scene === "resting-part");
+  const found = scene.outputs.filter((one) => isKnown(one) && (isList || isTold(one))).map(({ name }) => name);
+  return [...new Set([view.output, ...found])].slice(0, MAX_SWEPT);
+}
+
+function designStudy(view, scene, { isList = false, values = null, hasPath = false } = {}) {
+  const parameters = values ?? givenValues(view);
+  return { ...studyWith(view, outputsOf(view, scene, isList), parameters), ...(hasPath && scene.trajectory ? { trajectory: 400 } : {}) };
+}
+
+// One design: {dataset, seconds}; with the path of its part where the system has one.
+/** @param {View} view @param {any} scene @param {How} how */
+export async function design(view, scene, { signal, tell } = {}, more = {}) {
+  const study = designStudy(view, scene, more);
+  const { dataset, seconds } = await carryOut(study.kind, study, { signal, tell });
+  return { dataset, seconds };
+}
+
+// The same speed with a sine of the amplitudes of an ellipse; null of other drives.
+/** @param {View} view @param {any} scene @param {How} how */
+export async function sineOf(view, scene, { signal } = {}) {
+  const { amplitude_along_1: along, amplitude_normal_1: normal, phase_normal_1: _, ...others } = givenValues(view);
+  const parameters = { ...others, amplitude: Math.hypot(along, normal), beta: (Math.atan2(normal, along) * 180) / Math.PI };
+  return valueOf((await carryOut(view.kind, studyWith(view, [view.output], parameters), { signal })).dataset, view.output);
+}
+
+export function valueOf(dataset, name) {
+  return dataset?.variables[name]?.data ?? null;
+}
+
+export function flagOf(dataset, name = "regime") {
+  const { data, flags = {} } = dataset?.variables[name] ?? {};
+  return Object.keys(flags).find((one) => flags[one] === data) ?? "";
+}
+
+// The least and the largest value of the output of a design within its band, or null.
+/** @param {View} view @param {any} scene @param {How} how */
+export async function bandAt(view, scene, { signal } = {}) {
+  const { name, share } = view.band;
+  const values = givenValues(view);
+  const list = BAND.map((step) => view.values[name] * (1 + step * share));
+  const study = studyWith(view, [view.output], { ...values, [name]: list });
+  const found = (await carryOut(view.kind, study, { signal })).dataset.variables[view.output];
+  const known = (found?.data ?? []).filter((one) => Number.isFinite(one));
+  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from: list[0], to: list.at(-1) } : null;
 }
 
 // One output over its axes, however the service laid it out: {x, y, z, regime}.
@@ -52,13 +112,10 @@ function fromDataset(dataset, view) {
     const { data, units } = dataset.coordinates[name];
     return { name, unit: units, values: data };
   };
-  const reader = (variable) => {
-    const { dims, data } = variable;
-    return (i, j) => {
-      let found = data;
-      for (const dim of dims) found = found[dim === view.x.name ? i : j];
-      return found;
-    };
+  const reader = ({ dims, data }) => (i, j) => {
+    let found = data;
+    for (const dim of dims) found = found[dim === view.x.name ? i : j];
+    return found;
   };
   const variable = dataset.variables[view.output];
   const regime = dataset.variables[variable.ancillary_variables ?? "regime"];
@@ -66,13 +123,10 @@ function fromDataset(dataset, view) {
     x: axis(view.x.name),
     y: view.y ? axis(view.y.name) : null,
     z: { name: view.output, unit: variable.units, at: reader(variable), isJudged: "ancillary_variables" in variable },
-    regime: regime
-      ? {
-          at: reader(regime),
-          names: Object.fromEntries(Object.entries(regime.flags).map(([n, value]) => [value, n])),
-        }
-      : null,
-    attributes: dataset.attributes,
+    regime: regime && {
+      at: reader(regime),
+      names: Object.fromEntries(Object.entries(regime.flags).map(([n, value]) => [value, n])),
+    },
   };
 }
 
@@ -96,51 +150,66 @@ function fromSlice(found, view) {
     x: axis(view.x.name),
     y: view.y ? axis(view.y.name) : null,
     z: { name: view.output, unit: found.header.unit, at: reader(found.values, found.dims), isJudged: found.header.judged },
-    regime: found.regime
-      ? {
-          at: reader(found.regime, found.regimeDims),
-          names: Object.fromEntries(regimes.map(([name, one]) => [one.value, name])),
-        }
-      : null,
+    regime: found.regime && {
+      at: reader(found.regime, found.regimeDims),
+      names: Object.fromEntries(regimes.map(([name, one]) => [one.value, name])),
+    },
   };
 }
 
-// The motion of a grid of parts with so many values of an axis; of a line there are as many as it has.
-async function motion(view, num, how) {
-  return (await carryOut("simulate", studyOf(view, num), how)).dataset;
-}
-
-// What a view shows. `dragged` is the name of a parameter whose slider is being moved: the service
-// then has a sweep along it, too, and every place of the slider is a slice of one and the same.
+// Maps and lines. While a slider is held the service has a sweep along it, too, and every place of the slider
+// is a slice of one and the same.
 export class Source {
   constructor() {
     this.sweeps = new Map(); // study as text -> promise of its identifier
     this.slices = new Map(); // study and place as text -> promise of the slice
-    this.underWay = 0;
     this.fineness = FINE.simulate; // values of an axis of the map of motion that is shown
     this.next = FINE.simulate; // of the next one
   }
 
   // The study of what is shown, as fine as it is shown.
   study(view) {
-    return studyOf(view, view.kind === "sweep" ? FINE.sweep : this.fineness);
+    return mapStudy(view, view.kind === "sweep" ? FINE.sweep : this.fineness);
   }
 
-  /** @param {View} view @param {{dragged?: any, signal?: AbortSignal, tell?: (job: any) => void}} how */
-  async compute(view, { dragged = null, signal, tell } = {}) {
-    if (view.kind === "sweep") return this.sliced(view, dragged, signal);
-    if (dragged) return fromDataset(await motion(view, COARSE, { signal, tell }), view);
-    return this.moved(view, this.next, { signal, tell });
+  /** @param {View} view @param {any} scene @param {How} how */
+  async map(view, scene, { held, signal, tell, show, isAgreed = false } = {}) {
+    if (view.kind === "sweep") return this.sliced(view, held?.name ? held : null, signal);
+    const isSlow = scene.methods.length > 1 && view.choice !== "" && view.choice !== scene.methods[0];
+    if (isSlow) return this.slow(view, { signal, tell, show, isAgreed, isHeld: Boolean(held) });
+    if (held) return fromDataset(await this.motion(view, COARSE, { signal, tell }), view);
+    if (!this.isWarm && view.y) {
+      show?.(await this.moved(view, COARSE, { signal, tell }));
+      this.isWarm = true;
+    }
+    for (;;) {
+      const found = await this.moved(view, this.next, { signal, tell });
+      if (!view.y || this.next <= 1.5 * this.fineness) return found; // the first may have waited for code to load
+      show?.(found);
+    }
   }
 
-  // A coarse picture to begin with, where a fine one may take long.
-  /** @param {View} view @param {{dragged?: any, signal?: AbortSignal, tell?: (job: any) => void}} how */
-  coarse(view, { signal, tell } = {}) {
-    return this.moved(view, COARSE, { signal, tell });
+  async motion(view, num, how) {
+    return (await carryOut("simulate", mapStudy(view, num), how)).dataset;
+  }
+
+  // A method that may take long: few values first, more when somebody says so.
+  async slow(view, { signal, tell, show, isAgreed, isHeld }) {
+    const cells = FINE.simulate ** 2;
+    const { seconds } = await carryOut("simulate", studyWith(view, [view.output], givenValues(view)), { signal });
+    const per = Math.max(seconds ?? 0, 1e-4);
+    const needed = per * (view.y ? cells : LINE);
+    if (isHeld || (needed > CONSENT && !isAgreed)) {
+      const rough = per * ROUGH ** 2;
+      const found = view.y && rough < CONSENT ? await this.moved(view, ROUGH, { signal, tell }) : null;
+      return { found, asking: `${found ? `Only ${ROUGH} × ${ROUGH} values. ` : ""}The method is slow: the whole picture takes about ${duration(needed)}.` };
+    }
+    if (view.y) show?.(await this.moved(view, ROUGH, { signal, tell }));
+    return this.moved(view, FINE.simulate, { signal, tell });
   }
 
   async moved(view, num, how) {
-    const { dataset, seconds } = await carryOut("simulate", studyOf(view, num), how);
+    const { dataset, seconds } = await carryOut("simulate", mapStudy(view, num), how);
     if (view.y) {
       const next = seconds ? Math.round(num * Math.sqrt(PATIENCE / seconds)) : num;
       this.next = Math.max(COARSE, Math.min(FINE.simulate, next));
@@ -149,15 +218,23 @@ export class Source {
     return fromDataset(dataset, view);
   }
 
+  // A line over one parameter, the others as they are in the view.
+  /** @param {View} view @param {string} name @param {number} from @param {number} to @param {How} how */
+  async line(view, name, from, to, { signal } = {}) {
+    const one = { ...view, x: { name, from, to }, y: null };
+    const study = mapStudy(one);
+    return fromDataset((await carryOut(view.kind, study, { signal })).dataset, one);
+  }
+
   // Regimes between the cells of a map of closed forms, along each axis: where borders lie. Null where there
   // are none, and of motion: its cells may take so long that the service makes a job of them.
-  /** @param {View} view @param {any} found @param {{signal?: AbortSignal}} how */
+  /** @param {View} view @param {any} found @param {How} how */
   async between(view, found, { signal } = {}) {
     if (view.kind !== "sweep" || !found.regime || !found.y) return null;
     const counts = [found.x, found.y].map(({ values }) => values.length);
     const axes = [view.x.name, view.y.name];
     const asked = async (finer) => {
-      const study = studyOf(view);
+      const study = mapStudy(view);
       [view.x, view.y].forEach((axis, k) => {
         study.parameters[axis.name] = span(axis, k === finer ? (counts[k] - 1) * BETWEEN + 1 : counts[k]);
       });
@@ -167,62 +244,39 @@ export class Source {
     return { times: BETWEEN, across: await asked(0), up: await asked(1) };
   }
 
-  // Whether a finer map would be worth while: the first one may have waited for code to be loaded.
-  isWorthMore(view) {
-    return view.kind === "simulate" && Boolean(view.y) && this.next > 1.5 * this.fineness;
-  }
-
   // The same at both ends, and between, of what is not known exactly: least and largest of each.
-  /** @param {View} view @param {{dragged?: any, signal?: AbortSignal, tell?: (job: any) => void}} how */
+  /** @param {View} view @param {How} how */
   async band(view, { signal } = {}) {
     const { name, share } = view.band;
     const found = [];
     for (const step of BAND) {
       const values = { ...view.values, [name]: view.values[name] * (1 + step * share) };
-      const one = { ...view, values, band: null };
-      found.push(
-        view.kind === "sweep"
-          ? await this.sliced(one, null, signal)
-          : fromDataset(await motion(one, COARSE, { signal }), one),
-      );
+      const one = { ...view, values };
+      found.push(view.kind === "sweep" ? await this.sliced(one, null, signal) : fromDataset(await this.motion(one, COARSE, { signal }), one));
     }
     const ends = (pick) => (i, j) => {
       const values = found.map(({ z }) => z.at(i, j)).filter(Number.isFinite);
       return values.length ? pick(...values) : NaN;
     };
-    return { x: found[0].x, y: found[0].y, low: ends(Math.min), high: ends(Math.max) };
+    return { x: found[0].x, y: found[0].y, z: found[0].z, low: ends(Math.min), high: ends(Math.max) };
   }
 
-  async sliced(view, dragged, signal) {
-    const study = studyOf(view);
+  async sliced(view, held, signal) {
+    const study = mapStudy(view);
     const axes = view.y ? [view.x.name, view.y.name] : [view.x.name];
-    if (dragged) {
-      study.parameters[dragged.name] = { start: dragged.from, stop: dragged.to, num: DRAGGED };
-      return fromSlice(await this.kept(study, view, axes, dragged), view);
-    }
-    return fromSlice(await slice(await this.posted(study, signal), view.output, axes, {}, signal), view);
-  }
-
-  // Ask for a place of a slider while another is being drawn: `compute` then finds it under way.
-  ahead(view, dragged) {
-    if (view.kind === "sweep" && this.underWay < MAX_UNDER_WAY) {
-      this.sliced(view, dragged).catch(() => {}); // `compute` asks again, and tells
-    }
+    if (!held) return fromSlice(await slice(await this.posted(study, signal), view.output, axes, {}, signal), view);
+    if (axes.includes(held.name)) return fromSlice(await this.kept(study, view, axes, {}), view);
+    study.parameters[held.name] = { start: held.from, stop: held.to, num: DRAGGED };
+    return fromSlice(await this.kept(study, view, axes, { [held.name]: view.values[held.name] }), view);
   }
 
   // Slices of places where the slider has been, or that are under way.
-  kept(study, view, axes, { name }) {
-    const fixed = { [name]: view.values[name] };
+  kept(study, view, axes, fixed) {
     const text = JSON.stringify([study, fixed]);
     let found = this.slices.get(text);
     this.slices.delete(text);
     if (!found) {
-      this.underWay += 1;
-      found = this.posted(study)
-        .then((id) => slice(id, view.output, axes, fixed))
-        .finally(() => {
-          this.underWay -= 1;
-        });
+      found = this.posted(study).then((id) => slice(id, view.output, axes, fixed));
       found.catch(() => this.slices.delete(text));
     }
     this.slices.set(text, found); // the last one used is the last one dropped
@@ -245,51 +299,4 @@ export class Source {
 // The places of a slider, which are values of the axis that the service has along it.
 export function places(low, high) {
   return { from: low, to: high, num: DRAGGED, at: (k) => low + (k / (DRAGGED - 1)) * (high - low) };
-}
-
-// The values of the one design at a point of the view.
-export function valuesAt(view, point) {
-  const values = { ...givenValues(view), [view.x.name]: point.x };
-  if (view.y && point.y !== null && point.y !== undefined) values[view.y.name] = point.y;
-  return values;
-}
-
-// The motion of a design, as a study; `values` may have lists.
-function motionStudy(view, scene, values) {
-  const outputs = AT_A_POINT.filter((name) => scene.outputs.some((one) => one.name === name));
-  return {
-    kind: "simulate",
-    scene: view.scene,
-    ...(view.kind === "simulate" && view.choice ? { method: view.choice } : {}),
-    ...(outputs.length ? { outputs } : {}),
-    ...recordedDrive(view),
-    parameters: values,
-  };
-}
-
-// The course of the one part at a point of the view.
-/** @param {View} view @param {object} scene @param {Point} point @param {{signal?: AbortSignal, tell?: (job: any) => void}} how */
-export async function courseAt(view, scene, point, { signal, tell } = {}) {
-  const study = { ...motionStudy(view, scene, valuesAt(view, point)), trajectory: 400 };
-  return (await carryOut("simulate", study, { signal, tell })).dataset;
-}
-
-// What a part does with these values: {name: value} of some outputs, and its regime.
-export async function designAt(view, scene, values) {
-  const own = Object.entries(values).filter(([name, value]) => view.own?.[name] !== value);
-  const { variables } = (await carryOut("simulate", motionStudy(view, scene, Object.fromEntries(own)))).dataset;
-  const { data, flags = {} } = variables.regime ?? {};
-  const found = Object.fromEntries(Object.entries(variables).map(([name, one]) => [name, one.data]));
-  return { ...found, regime: Object.keys(flags).find((name) => flags[name] === data) ?? "" };
-}
-
-// The least and the largest speed at the point of the view within its band, or null.
-export async function speedBand(view, scene) {
-  const { band, point } = view;
-  const values = valuesAt(view, point);
-  const list = BAND.map((step) => values[band.name] * (1 + step * band.share));
-  const study = motionStudy(view, scene, { ...values, [band.name]: list });
-  const found = (await carryOut("simulate", study)).dataset.variables.conveying_velocity;
-  const speeds = (found?.data ?? []).filter((one) => Number.isFinite(one));
-  return speeds.length ? { least: Math.min(...speeds), largest: Math.max(...speeds) } : null;
 }

@@ -1,13 +1,17 @@
-// The fields of a view: parameters with sliders, which of them run across and up, what is shown.
+// The fields of a view: the sliders of its question, part and friction in one menu, all else under Expert.
 
-import { element, refill } from "./elements.js";
+import { drawn, element, fill, refill } from "./elements.js";
 import { choiceField, numberInput } from "./fields.js";
 import { grouped } from "./groups.js";
-import { knob } from "./knob.js";
-import { capital, label, sentence, shown, words } from "./words.js";
+import { liftOff } from "./answers.js";
 import { pictured } from "./opening.js";
+import { FIRST_PART, PARTS, partDrawn, partOf } from "./parts.js";
+import { QUESTIONS } from "./questions.js";
+import { SETS } from "./sets.js";
+import { rangeField, sliderField } from "./slider.js";
 import { STROKE, hasChoice, restated } from "./stroke.js";
-import { furtherParameters, shownParameters, typical, unusual, usual } from "./view.js";
+import { COMPANIONS, furtherParameters, shownParameters, typical, usual } from "./view.js";
+import { capital, label, number, sentence, shown, words } from "./words.js";
 
 const SELDOM = "gravity"; // turned by hardly anybody: it stands last
 const KINDS_OF_FRICTION = {
@@ -18,131 +22,208 @@ const KINDS_OF_FRICTION = {
 };
 
 export class Controls {
-  // `onchange(patch, {dragged})` hears of each change; `dragged` while a slider is held.
-  constructor(host, onchange) {
+  // `onchange(patch, {held})` hears of each change; `held` while a slider is.
+  constructor(host, expert, onchange) {
     this.host = host;
+    this.expert = expert;
     this.onchange = onchange;
     this.frictions = []; // rows of published coefficients
-    this.ends = Object.create(null); // of sliders, that were typed, by name
   }
 
   show(view, scenes, scene) {
     this.view = view;
     this.scene = scene;
-    const given = { ...view.values };
-    for (const axis of [view.x, view.y]) if (axis) given[axis.name] = axis.from;
-    const parameters = shownParameters(scene, view.output, given);
-    const further = furtherParameters(scene, view.output, given);
+    const parameters = shownParameters(scene, view.output, view.values);
     this.parameters = parameters;
-    this.shown = {}; // by name: what has a field show another value
+    this.sliders = new Map();
+    const record = QUESTIONS[view.question];
+    const ofSet = view.set && view.set !== STROKE ? Object.keys(SETS[view.set].parameters) : [];
+    const named = [...ofSet, ...record.sliders];
+    let first = named.map((name) => parameters.find((one) => one.name === name)).filter(Boolean);
+    if (!first.length && record.sliders.length) first = parameters.filter(({ name }) => name !== SELDOM).slice(0, 3);
+    this.first = new Set(first.map(({ name }) => name));
+    const isSearch = view.question === "drive";
+    const bounds = isSearch ? [view.x, view.y].filter(Boolean).map((axis) => this.bounds(axis)) : [];
     refill(
       this.host,
-      this.what(scenes),
-      element(
-        "fieldset",
-        {},
-        element("legend", {}, "Axes of the picture"),
-        this.axis("x", "Across", parameters),
-        this.axis("y", "Up", parameters),
-      ),
-      element(
-        "fieldset",
-        {},
-        element("legend", {}, "Part, track and drive"),
-        this.stroke(),
-        ...parameters
-          .filter(({ name }) => name !== view.x.name && name !== view.y?.name)
-          .sort((one, other) => Number(one.name === SELDOM) - Number(other.name === SELDOM))
-          .map((parameter) => this.field(parameter)),
-        further.length
-          ? this.select(
-              "Add a parameter",
-              [["", "Choose ..."], ...further.map(({ name, unit }) => [name, label(name, unit)])],
-              "",
-              (name) => this.add(further.find((one) => one.name === name)),
-            )
-          : null,
-        this.uncertain(parameters),
-      ),
+      element("div", { class: "sliders" }, ...bounds, ...first.map((one) => this.slider(one))),
+      this.partMenu(),
     );
+    // A place of a line without a device has no turn.
+    const isEmpty = (name) => /^turn_\d$/.test(name) && !Object.keys(view.values).some((one) => !/^(turn|drop_count)/.test(one) && one.endsWith(name.slice(4)));
+    this.tellExpert(scenes, parameters.filter(({ name }) => !this.first.has(name) && !this.inMenu.has(name) && !isEmpty(name)));
+  }
+
+  bounds(axis) {
+    const place = axis === this.view.x ? "x" : "y";
+    const parameter = this.parameters.find(({ name }) => name === axis.name);
+    return rangeField(axis, parameter, (from, to) => this.change({ [place]: { ...this.view[place], from, to } }));
+  }
+
+  slider(parameter, ...more) {
+    const { name } = parameter;
+    const required = this.scene.outputs.find((one) => one.name === this.view.output)?.required ?? [];
+    const isAdded = parameter.default === null && ![name, ...(parameter.instead_of ?? [])].some((one) => required.includes(one));
+    const made = sliderField(
+      this.view,
+      parameter,
+      {
+        onmove: (value, { from, to }) => this.onchange({ values: { ...this.view.values, [name]: value } }, { held: { name, from, to } }),
+        ontake: (value) => this.set(name, value),
+        onremove: isAdded ? () => this.remove(name) : null,
+      },
+      ...more,
+      this.isUncertain(name) ? this.share() : null,
+    );
+    this.sliders.set(name, made);
+    return made.field;
+  }
+
+  isUncertain(name) {
+    return this.view.band?.name === name;
+  }
+
+  // How far what is not known exactly may lie from its value.
+  share() {
+    const { band } = this.view;
+    const check = (value) => (value > 0 && value <= 90 ? "" : "The uncertainty has to be more than 0 % and at most 90 %");
+    const field = numberInput("Known within, in per cent", 100 * band.share, "%", (value) => this.change({ band: { ...this.view.band, share: value / 100 } }), { id: "band-share", check });
+    return element("div", { class: "within" }, "known within ±", element("span", { class: "slot" }, field, element("span", { class: "unit" }, "%")));
   }
 
   // Another view with the same fields: each shows its value.
   follow(view) {
     this.view = view;
-    for (const [name, show] of Object.entries(this.shown)) show(view.values[name]);
+    for (const one of this.sliders.values()) one.follow(view);
+    this.tellPart();
   }
 
-  what(scenes) {
+  // Where the part lifts off, on the sliders of the drive.
+  lift(throwNumber) {
+    for (const [name, one] of this.sliders) one.mark(throwNumber === null ? null : liftOff(name, this.view.values, throwNumber));
+  }
+
+  // The part and its friction, in one menu.
+  partMenu() {
+    const { view, parameters } = this;
+    this.inMenu = new Set();
+    this.partTold = null;
+    const friction = parameters.find(({ name }) => name === "friction");
+    if (!friction || this.first.has("friction") || !this.scene.methods.length || view.kind !== "simulate") return null;
+    this.inMenu.add("friction");
+    const icon = drawn("svg", { class: "icon", viewBox: "-24 -24 48 28", "aria-hidden": "true" });
+    this.partTold = { icon, title: element("strong"), known: element("span", { class: "known" }) };
+    const isDrawn = partOf({ ...view, part: "" }).title === PARTS[FIRST_PART].title;
+    const choice = isDrawn
+      ? choiceField("choose-part", "Part, as it is drawn", Object.entries(PARTS).map(([name, { title }]) => [name, title]), view.part || FIRST_PART, (part) => this.change({ part }))
+      : null;
+    this.tellPart();
+    return element(
+      "details",
+      { class: "part-menu", id: "part" },
+      element("summary", {}, icon, element("span", { class: "told" }, this.partTold.title, this.partTold.known)),
+      element("div", { class: "sliders" }, choice, this.slider(friction), this.published(friction)),
+    );
+  }
+
+  tellPart() {
+    if (!this.partTold) return;
+    const { view } = this;
+    const { icon, title, known } = this.partTold;
+    const part = partOf(view);
+    const scale = Math.min(40 / part.length, 22 / part.height);
+    fill(icon, partDrawn(part, part.length * scale, part.height * scale, { class: "part" }));
+    title.textContent = `${part.title}${view.pair ? `, ${view.pair}` : ""}`;
+    const { friction } = view.values;
+    const ends = this.isUncertain("friction") ? [1 - view.band.share, 1 + view.band.share].map((one) => number(friction * one, 2)) : null;
+    fill(known, "friction ", element("b", {}, number(friction, 3)), ends ? `, known as ${ends.join(" to ")}` : "");
+  }
+
+  // Published values of a coefficient of friction: their middle is taken, their range is the band.
+  published(parameter) {
+    const kind = KINDS_OF_FRICTION[parameter.name];
+    if (!kind || !this.frictions.length) return null;
+    const rows = this.frictions
+      .map((row) => ({ row, range: row[kind] ?? row.kinetic ?? row.coefficient ?? row.static }))
+      .filter(({ range }) => range);
+    const chosen = (place) => {
+      if (place === "") return;
+      const { row, range } = rows[Number(place)];
+      const middle = (range[0] + range[1]) / 2;
+      const share = middle ? (range[1] - range[0]) / 2 / middle : 0;
+      this.change({
+        values: { ...this.view.values, [parameter.name]: Number(middle.toPrecision(4)) },
+        band: share ? { name: parameter.name, share: Math.min(0.9, share) } : null,
+        pair: `${row.part} on ${row.track}`,
+      });
+    };
+    const told = (range) => (range[0] === range[1] ? range[0] : `${range[0]} to ${range[1]}`);
+    const options = rows.map(({ row, range }, place) => [String(place), `${row.part} on ${row.track}, ${row.surface}: ${told(range)}`]);
+    return choiceField(`published-${parameter.name}`, `Published values of the ${words(parameter.name)}`, [["", "Choose ..."], ...options], "", chosen);
+  }
+
+  // What stands under Expert: system, model, method, output, axes, and every other parameter.
+  tellExpert(scenes, others) {
     const { view, scene } = this;
-    const choice = view.kind === "sweep" ? "variants" : "methods";
+    const further = furtherParameters(scene, view.output, view.values);
     const system = scenes.find((one) => one.name === view.scene);
+    const choice = view.kind === "sweep" ? "variants" : "methods";
     const choices = system?.[choice] ?? [];
     const byDefault = view.kind === "sweep" ? system?.default_variant : choices[0];
-    return element(
-      "fieldset",
-      {},
-      element("legend", {}, "System and output"),
-      this.select(
-        "System",
-        scenes
-          .filter((one) => view.kind === "sweep" || one.methods.length)
-          .map((one) => [one.name, one.title]),
-        view.scene,
-        (name) => this.change({ scene: name, choice: "", output: "" }),
+    const chosen = view.choice || byDefault;
+    const told = [scene.title.toLowerCase(), `${view.kind === "sweep" ? "variant" : "method"} ${words(chosen ?? "")}`];
+    fill(this.expert.querySelector("#expert-told"), told.join(", "));
+    refill(
+      this.expert.querySelector("#expert-fields"),
+      element(
+        "div",
+        { class: "columns" },
+        this.select("System", scenes.map((one) => [one.name, one.title]), view.scene, (name) => this.change(this.ofSystem(scenes, name))),
+        system?.methods.length
+          ? this.select("Model", [["simulate", "Motion in time: mean speed"], ["sweep", "Closed-form equations: one instant"]], view.kind, (kind) => this.change({ kind, choice: "", output: "" }))
+          : null,
+        choices.length > 1
+          ? this.select(view.kind === "sweep" ? "Variant" : "Method", choices.map((name) => [name, capital(words(name))]), chosen, (name) => this.change({ choice: name }))
+          : null,
+        this.select("Output", grouped(pictured(scene), ({ name, unit }) => [name, label(name, unit)]), view.output, (name) => this.change({ output: name })),
+        this.stroke(),
+        this.axis("x", "Across"),
+        this.axis("y", "Up"),
+        this.uncertain(),
       ),
-      system?.methods.length
-        ? this.select(
-            "Model",
-            [
-              ["simulate", "Motion in time: mean speed"],
-              ["sweep", "Closed-form equations: one instant"],
-            ],
-            view.kind,
-            (kind) => this.change({ kind, choice: "", output: "" }),
-          )
-        : null,
-      choices.length > 1
-        ? this.select(
-            view.kind === "sweep" ? "Variant" : "Method",
-            choices.map((name) => [name, capital(words(name))]),
-            view.choice || byDefault,
-            (name) => this.change({ choice: name }),
-          )
-        : null,
-      this.select(
-        "Output",
-        grouped(pictured(scene), ({ name, unit }) => [name, label(name, unit)]),
-        view.output,
-        (name) => this.change({ output: name }),
+      element(
+        "div",
+        { class: "sliders" },
+        ...[...others].sort((one, other) => Number(one.name === SELDOM) - Number(other.name === SELDOM)).map((one) => this.slider(one, this.published(one))),
+        further.length
+          ? this.select("Add a parameter", [["", "Choose ..."], ...further.map(({ name, unit }) => [name, label(name, unit)])], "", (name) => this.add(name))
+          : null,
       ),
     );
+  }
+
+  // The same question of another system, as its motion in time where it has one.
+  ofSystem(scenes, name) {
+    const { methods } = scenes.find((one) => one.name === name);
+    return { scene: name, choice: "", output: "", kind: methods.length && this.view.kind === "simulate" ? "simulate" : "sweep" };
   }
 
   // Half of the stroke, as the theory has it, or the whole of it, as a shop measures it.
   stroke() {
     if (!hasChoice(this.view, this.scene)) return null;
-    return this.select(
-      "Amplitude",
-      [
-        ["", "From the middle to a peak"],
-        [STROKE, "From peak to peak"],
-      ],
-      this.view.set ?? "",
-      (set) => this.change(restated(this.view, set || null)),
-    );
+    const options = [["", "From the middle to a peak"], [STROKE, "From peak to peak"]];
+    return this.select("Amplitude", options, this.view.set ?? "", (set) => this.change(restated(this.view, set || null)));
   }
 
   select(text, options, value, chosen) {
     return choiceField(`choose-${text.toLowerCase().replaceAll(" ", "-")}`, text, options, value, chosen);
   }
 
-  axis(place, text, parameters) {
-    const axis = this.view[place];
-    const other = this.view[place === "x" ? "y" : "x"];
-    const options = parameters
-      .filter(({ name }) => name !== other?.name)
-      .map(({ name, unit }) => [name, label(name, unit)]);
+  axis(place, text) {
+    const { view, parameters } = this;
+    const axis = view[place];
+    const other = view[place === "x" ? "y" : "x"];
+    const options = parameters.filter(({ name }) => name !== other?.name).map(({ name, unit }) => [name, label(name, unit)]);
     if (place === "y") options.push(["", "Nothing: lines"]);
     const field = this.select(text, options, axis?.name ?? "", (name) => this.changeAxis(place, name));
     if (!axis) return field;
@@ -150,108 +231,43 @@ export class Controls {
     const [, unit] = shown(parameter.unit);
     const isOrdered = { from: (value) => value < axis.to, to: (value) => value > axis.from };
     const end = (which) =>
-      numberInput(
-        `${text} ${which}${unit ? ` in ${unit}` : ""}`,
-        axis[which],
-        parameter.unit,
-        (value) => this.change({ [place]: { ...axis, [which]: value } }),
-        { check: (value) => (isOrdered[which](value) ? "" : "The lower end of the axis has to be below the upper end") },
-      );
-    field.append(
-      element("div", { class: "ends" }, end("from"), "to", end("to")),
-      element("span", { class: "unusual" }, unusual(parameter, axis.from) || unusual(parameter, axis.to)),
-      this.complaint(axis.name),
-    );
+      numberInput(`${text} ${which}${unit ? ` in ${unit}` : ""}`, axis[which], parameter.unit, (value) => this.change({ [place]: { ...axis, [which]: value } }), {
+        check: (value) => (isOrdered[which](value) ? "" : "The lower end of the axis has to be below the upper end"),
+      });
+    field.append(element("div", { class: "ends" }, end("from"), "to", end("to"), unit));
     return field;
-  }
-
-  complaint(name) {
-    return element("span", { class: "wrong", id: `wrong-${name}` });
-  }
-
-  field(parameter) {
-    const { name } = parameter;
-    const { field, show } = knob(
-      parameter,
-      this.view.values[name],
-      {
-        ends: this.ends[name],
-        onmove: (value, { from, to }) =>
-          this.onchange({ values: { ...this.view.values, [name]: value } }, { dragged: { name, from, to } }),
-        ontake: (value) => this.set(name, value),
-        onends: (ends) => (this.ends[name] = ends),
-      },
-      this.published(parameter),
-      this.complaint(name),
-    );
-    this.shown[name] = show;
-    return field;
-  }
-
-  // Published values beside a coefficient of friction; the band is that of their range.
-  published(parameter) {
-    const kind = KINDS_OF_FRICTION[parameter.name];
-    if (!kind || !this.frictions.length) return null;
-    const rows = this.frictions
-      .map((row) => ({ row, range: row[kind] ?? row.kinetic ?? row.coefficient ?? row.static }))
-      .filter(({ range }) => range);
-    const choice = element(
-      "select",
-      {
-        "aria-label": `Published values of the ${words(parameter.name)}`,
-        onchange: () => {
-          const { range } = rows[Number(choice.value)];
-          const middle = (range[0] + range[1]) / 2;
-          const share = middle ? (range[1] - range[0]) / 2 / middle : 0;
-          this.change({
-            values: { ...this.view.values, [parameter.name]: Number(middle.toPrecision(4)) },
-            band: share ? { name: parameter.name, share: Math.min(0.9, share) } : null,
-          });
-        },
-      },
-      element("option", { value: "" }, "Published values ..."),
-      ...rows.map(({ row, range }, place) => {
-        const told = range[0] === range[1] ? range[0] : `${range[0]} to ${range[1]}`;
-        return element("option", { value: place }, `${row.part} on ${row.track}, ${row.surface}: ${told}`);
-      }),
-    );
-    return choice;
-  }
-
-  add(parameter) {
-    if (!parameter) return;
-    this.change({ values: { ...this.view.values, [parameter.name]: typical(parameter) } });
   }
 
   // One parameter may be known to a share only.
-  uncertain(parameters) {
+  uncertain() {
     const { view } = this;
-    const fixed = parameters.filter(({ name }) => name in view.values);
-    const field = this.select(
-      "Not known exactly",
-      [["", "Nothing"], ...fixed.map(({ name }) => [name, capital(words(name))])],
-      view.band?.name ?? "",
-      (name) => this.change({ band: name ? { name, share: view.band?.share ?? 0.2 } : null }),
-    );
-    if (view.band) {
-      const share = numberInput(
-        "Uncertain parameter known within, in per cent",
-        100 * view.band.share,
-        "%",
-        (value) => this.change({ band: { ...view.band, share: value / 100 } }),
-        { check: (value) => (value > 0 && value <= 90 ? "" : "The uncertainty has to be more than 0 % and at most 90 %") },
-      );
-      field.append(element("div", { class: "ends" }, "within ±", share, "%"));
-    }
-    return field;
+    const fixed = this.parameters.filter(({ name }) => name in view.values);
+    const options = [["", "Nothing"], ...fixed.map(({ name }) => [name, capital(words(name))])];
+    return this.select("Not known exactly", options, view.band?.name ?? "", (name) => this.change({ band: name ? { name, share: view.band?.share ?? 0.2 } : null }));
+  }
+
+  add(name) {
+    if (!name) return;
+    const names = [name, ...(COMPANIONS[name] ?? [])];
+    const begin = (one) => typical(this.scene.parameters.find((parameter) => parameter.name === one));
+    const values = { ...this.view.values, ...Object.fromEntries(names.map((one) => [one, this.view.values[one] ?? begin(one)])) };
+    this.change({ values });
+  }
+
+  remove(name) {
+    const gone = new Set([name, ...(COMPANIONS[name] ?? []), ...Object.keys(COMPANIONS).filter((one) => COMPANIONS[one].includes(name))]);
+    const values = Object.fromEntries(Object.entries(this.view.values).filter(([one]) => !gone.has(one)));
+    const axis = (one) => (one && gone.has(one.name) ? undefined : one);
+    this.change({ values, x: axis(this.view.x), y: axis(this.view.y) });
   }
 
   set(name, value) {
-    this.change({ values: { ...this.view.values, [name]: value } });
+    const pair = name === "friction" ? { pair: "" } : {};
+    this.change({ values: { ...this.view.values, [name]: value }, ...pair });
   }
 
   change(patch) {
-    this.onchange(patch, { dragged: null });
+    this.onchange(patch, { held: null });
   }
 
   changeAxis(place, name) {
@@ -262,25 +278,21 @@ export class Controls {
 
   // Sentences of the service beside the fields that they concern; returns those that concern none.
   complain(errors) {
+    this.clear();
     const rest = [];
     for (const error of errors) {
-      const { place } = error;
-      const name = String(place).split(".").find((part) => this.parameters.some((p) => p.name === part));
-      const text = sentence(error);
+      const name = String(error.place).split(".").find((part) => this.sliders.has(part));
       const slot = name && document.getElementById(`wrong-${name}`);
-      if (slot) slot.textContent = text;
-      else rest.push(text);
+      if (slot) slot.textContent = sentence(error);
+      else rest.push(sentence(error));
     }
     return rest;
   }
 
-  // What stands beside the fields.
-  wrong() {
-    return [...this.host.querySelectorAll(".wrong")].map((slot) => slot.textContent).filter(Boolean);
-  }
-
   clear() {
-    for (const slot of this.host.querySelectorAll(".wrong")) slot.textContent = "";
+    for (const name of this.sliders.keys()) {
+      const slot = document.getElementById(`wrong-${name}`);
+      if (slot) slot.textContent = "";
+    }
   }
 }
-

@@ -6,17 +6,19 @@ const TOUCHES = 1e-9;
 // Of the parts of a row.
 export const PARTS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
+// What a part does: the class of its colour, and words.
 export const MODES = {
-  stick: ["#0072b2", "sticks"],
-  forward: ["#009e73", "slides forwards"],
-  backward: ["#cc79a7", "slides backwards"],
-  slide: ["#009e73", "slides"],
-  flight: ["#e69f00", "hops"],
-  unknown: ["#888888", "moves"],
+  stick: ["stick", "sticks"],
+  forward: ["forward", "slides forwards"],
+  backward: ["backward", "slides back"],
+  slide: ["forward", "slides"],
+  flight: ["flight", "in the air"],
+  unknown: ["stick", "moves"],
 };
 
-// A course out of a dataset of a simulation with `trajectory`.
+// A course out of a dataset of a simulation with `trajectory`; null without one.
 export function courseOf(dataset) {
+  if (!dataset?.coordinates.cycle_time) return null;
   const all = { ...dataset.coordinates, ...dataset.variables };
   const values = (name) => all[name]?.data;
   const flags = all.motion_mode?.flags ?? {};
@@ -24,38 +26,21 @@ export function courseOf(dataset) {
   const times = values("cycle_time");
   const zeros = () => times.map(() => 0);
   const trackAlong = values("track_along") ?? zeros();
-  const relative = values("relative_velocity_along");
-  const trackVelocity = slopes(times, trackAlong);
   return {
     times,
-    along: values("position_along") ?? zeros(),
-    height: values("height_above_floor") ?? zeros(),
+    along: values("position_along") ?? values("path_along") ?? zeros(),
+    height: values("height_above_floor") ?? values("path_gap") ?? zeros(),
+    pitch: values("path_pitch") ?? null,
     wall: values("distance_from_wall"),
     trackAlong,
     trackNormal: values("track_normal") ?? zeros(),
-    trackVelocity,
-    partVelocity: relative ? relative.map((one, i) => one + trackVelocity[i]) : null,
     row: rowOf(all, times),
     modes: (values("motion_mode") ?? zeros()).map((value) => names[value] ?? "unknown"),
     radius: values("radius") ?? null,
     climb: values("gamma") ?? 0,
     lean: values("delta") ?? null,
     unit: all.position_along?.units ?? "m",
-    velocity: values("conveying_velocity"),
-    throwNumber: values("throw_number") ?? null,
-    hopHeight: values("hop_height") ?? null,
-    platoons: values("platoons") ?? null,
-    feedRate: values("feed_rate") ?? null,
-    amplitude: values("amplitude") ?? null,
-    stroke: values("peak_to_peak") ?? null,
-    regime: nameOf(all.regime),
   };
-}
-
-// The name of the one value of a flag.
-function nameOf(variable) {
-  const { data, flags = {} } = variable ?? {};
-  return Object.keys(flags).find((name) => flags[name] === data) ?? "";
 }
 
 // The parts of a row from the rear to the front: {positions: [[m]], ahead: [[m]], length, closed}; null
@@ -90,15 +75,6 @@ export function platoonsAt({ times, row }, time) {
 function placeAt(times, time) {
   const after = times.findIndex((one) => one > time);
   return Math.max(0, (after < 0 ? times.length : after) - 1);
-}
-
-// The slope of values over times, between their neighbours.
-function slopes(times, values) {
-  const last = times.length - 1;
-  return values.map((_, i) => {
-    const [before, after] = [Math.max(0, i - 1), Math.min(last, i + 1)];
-    return (values[after] - values[before]) / (times[after] - times[before] || 1);
-  });
 }
 
 export function cycleOf({ times }) {

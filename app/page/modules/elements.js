@@ -35,11 +35,6 @@ export function byId(id) {
   return document.getElementById(id);
 }
 
-// Show what stands below the picture: that has its place now, or will be long in coming.
-export function reveal() {
-  document.querySelector("main").classList.add("drawn");
-}
-
 const SVG = "http://www.w3.org/2000/svg";
 
 export function drawn(tag, attributes = {}, ...children) {
@@ -47,9 +42,4 @@ export function drawn(tag, attributes = {}, ...children) {
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
   made.append(...children);
   return made;
-}
-
-// Have what is painted painted anew where light colours become dark ones, or dark ones light.
-export function whenRecoloured(paint) {
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
 }

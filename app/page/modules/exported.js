@@ -3,12 +3,12 @@
 import { drawn } from "./elements.js";
 import { barDrawn } from "./legend.js";
 import { markerDrawn } from "./markers.js";
-import { capital, label, number, words } from "./words.js";
+import { capital, number, words } from "./words.js";
 
 const LINE = 18; // px
 const LETTER = 6.6; // px, on average
 const EDGE = 12; // px
-const BAR = 308; // px
+const BAR = 364; // px
 
 // `parts` are elements of a picture of `width` times `height`; `told` is {title, lines, link}; `bar` is
 // {range, name, unit} or null, `regimes` as a legend has them.
@@ -19,11 +19,8 @@ export function svgDocument(parts, { width, height, style, told, bar = null, reg
   const below = [];
   let at = top + height + 8;
   if (bar?.range) {
-    below.push(
-      text(label(bar.name, bar.unit), EDGE, at + 10),
-      drawn("g", { transform: `translate(${Math.max(EDGE, width - BAR)} ${at})` }, barDrawn(bar.range, bar.unit)),
-    );
-    at += 2.2 * LINE;
+    below.push(drawn("g", { transform: `translate(${Math.max(0, (width - BAR) / 2)} ${at})` }, barDrawn(bar.range, bar)));
+    at += 3 * LINE;
   }
   for (const one of regimes) {
     below.push(
@@ -47,7 +44,7 @@ export function svgDocument(parts, { width, height, style, told, bar = null, reg
 }
 
 // Lines of at most so many letters, broken at commas.
-export function wrapped(text, most) {
+function wrapped(text, most) {
   const lines = [""];
   for (const part of text.split(/(?<=, )/)) {
     if (lines.at(-1) && lines.at(-1).length + part.length > most) lines.push("");

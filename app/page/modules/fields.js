@@ -15,8 +15,8 @@ export function choiceField(id, text, options, value, chosen) {
 }
 
 // A number, typed with or without its unit; `set` hears the value in the unit of the service. What is
-// no number, or what `check` objects to with a sentence, changes nothing: the last value stays, and
-// the reason is said beside the field. An `isOptional` field may be emptied: `set` then hears null.
+// no number, or what `check` objects to with a sentence, changes nothing: the last value holds, the text stays
+// to be corrected, and the reason is said beside the field. An `isOptional` field may be emptied: `set` then hears null.
 /**
  * @param {string | null} text its name, where no label has it
  * @param {number | null | undefined} value
@@ -41,19 +41,23 @@ export function numberInput(text, value, unit, set, { isOptional = false, check 
   made.show = (other) => {
     last = other;
     made.value = fieldText(other, unit);
+    made.removeAttribute("aria-invalid");
     said.remove();
   };
   function take() {
     const isEmptied = isOptional && made.value.trim() === "";
     const read = isEmptied ? { value: null } : readNumber(made.value, unit);
     const problem = read.problem ?? (isEmptied ? "" : check(read.value));
-    made.show(problem ? last : read.value);
-    if (problem) {
-      const [, unitShown] = shown(unit);
-      const kept = last === null || last === undefined ? "" : ` It stays ${made.value} ${unitShown}`.trimEnd() + ".";
-      said.textContent = `${problem}.${kept}`;
-      made.after(said);
-    } else set(read.value);
+    if (!problem) {
+      made.show(read.value);
+      set(read.value);
+      return;
+    }
+    const [, unitShown] = shown(unit);
+    const kept = last === null || last === undefined ? "" : `; ${fieldText(last, unit)} ${unitShown}`.trimEnd() + " holds until it is corrected";
+    said.textContent = `${problem}${kept}.`;
+    made.setAttribute("aria-invalid", "true");
+    (made.closest(".slot") ?? made).after(said);
   }
   // The arrow keys change the last digit.
   function step(event) {

@@ -38,7 +38,6 @@ export class Front {
     );
     fill(host, this.box, this.said);
     this.at = null;
-    this.dimmed = new Set();
     new ResizeObserver(() => this.draw()).observe(this.box);
   }
 
@@ -54,7 +53,6 @@ export class Front {
     this.units = units;
     this.points = designs.map(({ values }) => ({ x: Math.abs(values[against].value), y: values[output].value }));
     this.at = null;
-    this.dimmed = new Set();
     this.draw();
   }
 
@@ -88,15 +86,8 @@ export class Front {
     this.mark();
   }
 
-  // Lines that a brush leaves out are faint here, too.
-  dim(indices) {
-    this.dimmed = indices;
-    this.mark();
-  }
-
   mark() {
     this.marks?.forEach((one, i) => {
-      one.classList.toggle("dim", this.dimmed.has(i));
       one.classList.toggle("chosen", i === this.at);
     });
     if (this.at !== null && this.marks) this.svg.append(this.marks[this.at]);

@@ -6,38 +6,43 @@
 import { FRAME } from "./axes.js";
 import { ringsAround } from "./borders.js";
 import { drawn } from "./elements.js";
-import { shown } from "./words.js";
+import { bandOf } from "./colours.js";
 
-const { contours, ticks } = /** @type {any} */ (window).d3;
-const LEVELS = 10;
 const FEW = 50; // values of an axis, for lines that move
 
-// One point of the canvas a value: the browser enlarges it.
-export function paint(canvas, { data, flat, range }) {
-  const nx = data.x.values.length;
-  const ny = data.y.values.length;
-  if (canvas.width !== nx) canvas.width = nx;
-  if (canvas.height !== ny) canvas.height = ny;
+// The colours of the values, in the dots of the screen: between values as straight lines go, so that the steps of
+// the scale end along smooth lines; values that are `isRough` stay blocks.
+export function paint(canvas, { data, flat, range, isRough }, wide, tall) {
+  const [nx, ny] = [data.x.values.length, data.y.values.length];
+  Object.assign(canvas, { width: wide, height: tall });
   const context = canvas.getContext("2d");
-  const image = context.createImageData(nx, ny);
-  if (range) {
-    const factor = (range.steps - 1) / (range.high - range.low);
-    const { lut } = range;
-    for (let j = 0; j < ny; j++) {
-      for (let i = 0; i < nx; i++) {
-        const value = flat[j * nx + i];
-        const to = 4 * ((ny - 1 - j) * nx + i);
-        if (value !== value) continue; // transparent: it has no value there
-        let at = Math.round((value - range.low) * factor);
-        at = 3 * (at < 0 ? 0 : at >= range.steps ? range.steps - 1 : at);
-        image.data[to] = lut[at];
-        image.data[to + 1] = lut[at + 1];
-        image.data[to + 2] = lut[at + 2];
-        image.data[to + 3] = 255;
-      }
+  const image = context.createImageData(wide, tall);
+  const dots = new Uint32Array(image.data.buffer);
+  const inks = range?.bands.map(([r, g, b]) => (255 << 24) | (b << 16) | (g << 8) | r) ?? [];
+  const across = placesOf(wide, nx, isRough);
+  const up = placesOf(tall, ny, isRough);
+  for (let row = 0; range && row < tall; row++) {
+    const { low, part } = up[tall - 1 - row];
+    const below = low * nx;
+    const above = Math.min(ny - 1, low + 1) * nx;
+    for (let column = 0; column < wide; column++) {
+      const { low: left, part: share } = across[column];
+      const right = left + 1 < nx ? left + 1 : left;
+      let value = (flat[below + left] * (1 - share) + flat[below + right] * share) * (1 - part) + (flat[above + left] * (1 - share) + flat[above + right] * share) * part;
+      if (value !== value) value = flat[(part > 0.5 ? above : below) + (share > 0.5 ? right : left)]; // beside one without
+      if (value === value) dots[row * wide + column] = inks[bandOf(range, value)];
     }
   }
   context.putImageData(image, 0, 0);
+}
+
+// Of each dot along an axis: the value below it, and how far it is on the way to the next.
+function placesOf(dots, count, isRough) {
+  return Array.from({ length: dots }, (_, k) => {
+    const at = ((k + 0.5) / dots) * (count - 1);
+    const low = isRough ? Math.round(at) : Math.min(count - 1, Math.floor(at));
+    return { low, part: isRough ? 0 : at - low };
+  });
 }
 
 // The same ground with fewer values, the first and the last of each axis among them.
@@ -80,12 +85,6 @@ export function clipDrawn(clipId, width, height) {
   );
 }
 
-// The values at which contours are drawn.
-export function levelsOf({ low, high }, unit) {
-  const [factor] = shown(unit);
-  return ticks(low * factor, high * factor, LEVELS).map((level) => level / factor);
-}
-
 // Lines over what does not describe a real part, so that its colours are not read as speeds.
 export function hatchDrawn({ data, x, y, clipId, edges }, regimes) {
   const invalid = new Set(regimes.filter(({ valid }) => !valid).map(({ value }) => value));
@@ -105,30 +104,14 @@ export function hatchDrawn({ data, x, y, clipId, edges }, regimes) {
   return group;
 }
 
-export function contoursDrawn({ data, flat, range, x, y, clipId }) {
-  const group = drawn("g", { class: "contours", "clip-path": `url(#${clipId})` });
-  if (!range) return group;
-  const { low, high } = range;
-  const levels = levelsOf(range, data.z.unit);
-  const found = contours().size([data.x.values.length, data.y.values.length]).thresholds(levels)(flat);
-  for (const level of found) {
-    if (!level.coordinates.length) continue;
-    const isZero = Math.abs(level.value) < 1e-12 * (high - low);
-    group.append(
-      drawn("path", { d: path(level.coordinates, data, x, y), class: isZero ? "zero" : "contour" }),
-    );
-  }
-  return group;
-}
-
 // Borders of the regimes of a list: of two neighbours one draws the line between them.
 export function bordersDrawn({ data, x, y, clipId, edges }, regimes) {
   const group = drawn("g", { class: "borders", "clip-path": `url(#${clipId})` });
-  for (const { value, ink } of regimes.slice(1)) {
+  for (const { value } of regimes.slice(1)) {
     const area = ringsAround(gridOf(data), (one) => one === value, edges);
     const d = path(area, data, x, y);
-    // A pale line below it: dark colours are seen on dark ones, too.
-    group.append(drawn("path", { d, class: "halo" }), drawn("path", { d, class: "border", stroke: ink }));
+    // A pale line below it: it is seen on dark colours, too.
+    group.append(drawn("path", { d, class: "halo" }), drawn("path", { d, class: "border" }));
   }
   return group;
 }

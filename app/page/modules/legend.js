@@ -2,54 +2,51 @@
 
 import { ticks } from "./axes.js";
 import { drawn, element } from "./elements.js";
-import { levelsOf } from "./layers.js";
 import { markerDrawn } from "./markers.js";
 import { capital, label, number, shown, words } from "./words.js";
 
-const BAR = { width: 260, height: 12, left: 24, ticks: 4, stops: 32 };
+const BAR = { width: 340, height: 15, left: 12, ticks: 4 };
+const SIGNED = new Set(["conveying_velocity", "drift_velocity"]);
 
-// The bar of a scale with its ticks, as a group of 300 x 32.
-export function barDrawn({ low, high, lut, steps }, unit) {
-  const [factor] = shown(unit);
-  const { width, height, left, stops } = BAR;
+// The bar of a scale with its ticks, as a group of 364 x 50.
+export function barDrawn({ low, high, bands }, { name, unit }) {
+  const [factor, unitShown] = shown(unit);
+  const { width, height, left } = BAR;
   const group = drawn("g", { class: "bar" });
-  for (let i = 0; i < stops; i++) {
-    const at = 3 * Math.round((i / (stops - 1)) * (steps - 1));
-    const fill = `rgb(${lut[at]} ${lut[at + 1]} ${lut[at + 2]})`;
-    const room = width / stops;
-    group.append(drawn("rect", { x: left + i * room, y: 0, width: room + 0.5, height, fill }));
-  }
+  const room = width / bands.length;
+  bands.forEach(([r, g, b], i) => group.append(drawn("rect", { x: left + i * room, y: 0, width: room + 0.4, height, fill: `rgb(${r} ${g} ${b})` })));
+  group.append(drawn("rect", { x: left, y: 0, width, height, class: "frame" }));
+  const place = (value) => left + ((value - low) / (high - low)) * width;
   for (const tick of ticks(low * factor, high * factor, BAR.ticks)) {
-    const x = left + ((tick / factor - low) / (high - low)) * width;
+    const x = place(tick / factor);
     group.append(
       drawn("line", { x1: x, x2: x, y1: height, y2: height + 4, class: "tick" }),
       drawn("text", { x, y: height + 17, "text-anchor": "middle" }, number(tick, 4, high * factor)),
     );
   }
+  const zero = place(Math.max(low, Math.min(0, high)));
+  const said = (x, anchor, text) => group.append(drawn("text", { x, y: height + 33, "text-anchor": anchor, class: "pale" }, text));
+  if (SIGNED.has(name) && low < 0 && high > 0) {
+    const at = Math.max(left + 66, Math.min(left + width - 110, zero));
+    said(at - 6, "end", "backwards");
+    said(at + 8, "start", `forwards, ${unitShown}`);
+  } else said(left, "start", label(name, unit));
   return group;
 }
 
-// What the colours of a scale mean: a bar with ticks, how far contours lie apart, what is cut.
+// What the colours of a scale mean: a bar with ticks, and what is cut.
 export function scaleTold(range, { name, unit }, values) {
   if (!range) return [`The ${words(name)} has no value anywhere in this picture.`];
-  const [factor, unitShown] = shown(unit);
-  const { low, high } = range;
-  const svg = drawn("svg", { viewBox: "0 0 308 32", width: 308, height: 32, "aria-hidden": "true" }, barDrawn(range, unit));
-  const [first, second] = levelsOf(range, unit);
-  const lines = [];
-  if (second !== undefined) lines.push(`a thin line every ${number((second - first) * factor, 3)}${unitShown && ` ${unitShown}`}`);
-  if (low < 0 && high > 0) lines.push("the thick line is 0");
+  const [factor] = shown(unit);
+  const { low, high, step } = range;
+  const svg = drawn("svg", { viewBox: "0 0 364 52", class: "scale-bar", "aria-hidden": "true" }, barDrawn(range, { name, unit }));
   const [least, largest] = extremes(values);
-  // Room for rounding: an end of the scale is a value, too.
-  if (least < low - 1e-9 * (high - low) || largest > high + 1e-9 * (high - low)) {
-    lines.push(`beyond the ends: ${number(least * factor, 3)} to ${number(largest * factor, 3)}`);
-  }
+  const isCut = least < low - step || largest > high + step;
   const spoken = `${label(name, unit)} from ${number(low * factor)} to ${number(high * factor)}`;
   return [
-    element("span", {}, label(name, unit)),
     element("span", { role: "img", "aria-label": spoken }, svg),
-    element("small", {}, lines.join("; ")),
-  ];
+    isCut ? element("small", {}, `beyond the ends: ${number(least * factor, 3)} to ${number(largest * factor, 3)}`) : null,
+  ].filter(Boolean);
 }
 
 function extremes(values) {

@@ -1,80 +1,419 @@
-// The page: a question, the fields that answer it, the picture, and what can be taken away.
+// The page: a question, its answer, the pictures and fields of it, and what can be taken away.
 
-import { Accuracy } from "./accuracy.js";
-import { Away as TakeAway } from "./away.js";
+import { answerTo, liesTold } from "./answers.js";
+import { Aspects } from "./aspects.js";
+import { Away } from "./away.js";
 import { completeBest } from "./best.js";
 import { Catalogue } from "./catalogue.js";
-import { Source } from "./computed.js";
-import { Computing, busy } from "./computing.js";
+import { Source, bandAt, design, sineOf, valueOf } from "./computed.js";
 import { Controls } from "./controls.js";
-import { byId } from "./elements.js";
+import { courseOf, modeAt, MODES, platoonsAt } from "./course.js";
+import { Curves } from "./curves.js";
+import { byId, element, fill } from "./elements.js";
 import { tellFigures, viewOf } from "./figures.js";
+import { Headline } from "./headline.js";
 import { Jobs } from "./jobs.js";
-import { Matters } from "./matters.js";
-import { Measured } from "./measured.js";
+import { tellDevices, tellValues } from "./lists.js";
+import { lookOf } from "./markers.js";
+import { mattersOf, mattersStudy, tellMatters } from "./matters.js";
+import { Measured, fitTold } from "./measured.js";
 import { tellMeaning } from "./meaning.js";
-import { MotionAtPoint } from "./motion.js";
 import { Notice } from "./notice.js";
 import { complete } from "./opening.js";
 import { Optimum } from "./optimum.js";
-import { PartHere } from "./part.js";
-import { Picture } from "./picture.js";
-import { tellQuestions } from "./nav.js";
+import { Panels } from "./panels.js";
+import { Picture, ringOf } from "./picture.js";
 import { LETTERS, Pins } from "./pins.js";
+import { Player } from "./player.js";
 import { QUESTIONS, begun } from "./questions.js";
 import { isSet, withSet } from "./sets.js";
 import { Refusal, get } from "./service.js";
+import { tellSheet } from "./sheet.js";
+import { endsOf, nameOf } from "./slider.js";
+import { Stage } from "./stage.js";
+import { COARSE, Derived, Store, batch, effect, untracked } from "./store.js";
 import { STROKE, takesBoth } from "./stroke.js";
-import { fromLink, frozen, toLink } from "./view.js";
+import { designOf, fromLink, frozen, pictureOf, toLink, unusual } from "./view.js";
 import { Waves } from "./waves.js";
-import { learn, valuesTold, words } from "./words.js";
+import { capital, duration, learn, valuesTold, words } from "./words.js";
 
 // What of a view asks for other fields, or another picture.
 const OPENED_ANEW = ["kind", "scene", "choice", "set", "recording", "output", "x", "y", "band"];
+const SECTIONS = ["chips", "waves", "stage", "picture", "detail", "beside", "aspects", "matters", "measured", "resonance", "devices", "onward", "figures", "values", "optimum"];
+const TABS = { stage: "Part", picture: "Map", detail: "Time" };
+const LISTED = new Set(["thesis", "all"]);
+const CALM = 300; // ms in which nothing is changed, before borders are looked for
+const HOP = 1e-9; // m: what is lower is rounding
 
 class Page {
   constructor() {
-    this.source = new Source();
+    this.store = new Store();
     this.notice = new Notice(byId("notice"));
     this.catalogue = new Catalogue((path) => this.notice.persist(() => get(path)));
+    this.source = new Source();
+    this.isReady = false; // the service has said what scenes there are
+    this.isStepped = false; // a step of this page can be undone by going back
+    this.asked = null; // a question that was chosen before
+    this.opening = null; // what is being opened
+    this.drawn = null; // the values that are drawn, what they are of, and what is drawn with them
+    this.drawnIn = "";
+    this.extra = null;
+    /** @type {Curves | null} */
+    this.curve = null;
+    this.derive();
+    this.compose();
+    this.render();
+  }
+
+  // What the service computes of the view.
+  derive() {
+    const { store, source } = this;
+    const persist = (task) => this.notice.persist(task);
+    const noted = (view, how) => ({
+      ...how,
+      tell: (job) => {
+        this.jobs.note(job, this.told(view));
+        how.tell(job);
+      },
+    });
+    const derived = (key, ask) => new Derived(store, { key, ask: (view, scene, how) => ask(view, scene, noted(view, how)), persist });
+    const shows = (view, section) => [...QUESTIONS[view.question].main, ...QUESTIONS[view.question].side].includes(section);
+    this.answer = derived(
+      (view) => designOf({ ...view, band: null }) + LISTED.has(view.question),
+      (view, scene, how) => design(view, scene, how, { isList: LISTED.has(view.question), hasPath: true }),
+    );
+    const isBanded = (view) => view.kind === "simulate" && Boolean(view.band) && view.band.name in view.values;
+    this.band = derived((view) => (isBanded(view) ? designOf(view) : null), bandAt);
+    const hasSine = (view) => view.question === "waves" && view.set === "ellipse" && view.output === "conveying_velocity" && store.held.value === null;
+    this.sine = derived((view) => (hasSine(view) ? designOf({ ...view, band: null }) : null), sineOf);
+    const isCoarse = (view) => store.held.value !== null && view.kind === "simulate";
+    this.map = derived((view) => pictureOf({ ...view, band: null }) + (isCoarse(view) ? COARSE : ""), (view, scene, how) => source.map(view, scene, how));
+    const isDrawn = (view) => this.map.state.value.status === "ready" && this.map.state.value.of === pictureOf({ ...view, band: null });
+    this.bandMap = derived(
+      (view) => (store.held.value === null && isBanded(view) && (view.question === "uncertain" || !view.y) && view.question !== "drive" && isDrawn(view) ? pictureOf({ ...view, question: "uncertain" }) : null),
+      (view, _, how) => source.band(view, how),
+    );
+    this.others = derived(
+      (view) => (view.pins?.length && !view.y && isDrawn(view) ? pictureOf({ ...view, band: null }) + JSON.stringify(view.pins) : null),
+      (view, scene, how) => Promise.all(view.pins.map(async (pin, i) => ({ text: `design ${LETTERS[i]}`, found: await source.map({ ...view, values: { ...view.values, ...pin } }, scene, { signal: how.signal }) }))),
+    );
+    this.edges = derived(
+      (view) => (view.kind === "sweep" && view.y && store.held.value === null && isDrawn(view) ? pictureOf({ ...view, band: null }) : null),
+      async (view, _, how) => {
+        await new Promise((done) => setTimeout(done, CALM));
+        how.signal.throwIfAborted();
+        return source.between(view, this.map.state.peek().value, how);
+      },
+    );
+    this.matters = derived((view, scene) => (store.held.value === null && mattersStudy(view, scene) ? JSON.stringify(mattersStudy(view, scene)) : null), mattersOf);
+    this.measured = new Measured(byId("measured"), (runs) => this.setView({ runs }));
+    this.fit = derived(
+      (view) => {
+        const study = store.held.value === null ? this.measured.study(view) : null;
+        return study && JSON.stringify(study);
+      },
+      (view, scene, how) =>
+        view.choice && view.choice !== scene.methods[0] && !how.isAgreed
+          ? { asking: "This method takes long to compare with what was measured." }
+          : this.measured.fit(view, scene, how),
+    );
+    this.resonance = derived(
+      (view, scene) => (shows(view, "resonance") && "frequency" in view.values && this.isAsked(view, scene, "frequency") ? pictureOf({ ...view, x: { name: "frequency", from: 0, to: 0 }, y: null, band: null }) : null),
+      (view, _, how) => {
+        const { from, to } = [view.x, view.y].find((axis) => axis?.name === "frequency") ?? { from: 20, to: 100 };
+        return source.line(view, "frequency", from, to, how);
+      },
+    );
+  }
+
+  isAsked(view, scene, name) {
+    return Boolean(scene.outputs.find((one) => one.name === view.output)?.asks.includes(name));
+  }
+
+  // The parts of the page, and what they do.
+  compose() {
+    const setView = (patch, how) => this.setView(patch, how);
+    const move = (values, { isOver }) => this.setView({ values: { ...this.view.values, ...values } }, { held: isOver ? null : {} });
+    const point = ({ x, y }) => {
+      const { view } = this;
+      return { [view.x.name]: x, ...(view.y && y !== undefined && y !== null ? { [view.y.name]: y } : {}) };
+    };
+    this.headline = new Headline(byId("answer"), byId("headline"));
     this.jobs = new Jobs(byId("jobs"), (link) => {
       location.hash = link;
       byId("headline").focus();
     });
-    this.controls = new Controls(byId("controls"), (patch, how) => this.setView(patch, how));
+    this.controls = new Controls(byId("controls"), byId("expert"), setView);
     this.picture = new Picture({
-      onpick: (point) => this.setView({ point }),
-      onpoint: (point) => this.optimum.pointed(point),
-      ondrag: (point, { isOver }) => this.setView({ point }, { isHeld: !isOver }),
+      onpick: (at) => move(point(at), { isOver: true }),
+      onpoint: () => {},
+      ondrag: (at, how) => move(point(at), how),
     });
-    this.motion = new MotionAtPoint(byId("detail"), {
-      notice: this.notice,
-      onshown: (view, course) => {
-        this.part.tell(view, course);
-        if (this.extra && this.hasExtra()) this.extra.follow?.(view);
-        if (view.pins?.length) this.pins.show(view, this.seen);
+    this.stage = new Stage(byId("stage-host"), move);
+    this.panels = new Panels((time) => this.player.choose(time));
+    byId("panels-host").append(this.panels.svg);
+    this.player = new Player(byId("player"), (time, turns) => this.moment(time, turns));
+    new ResizeObserver(() => requestAnimationFrame(() => this.drawPanels())).observe(byId("panels-host"));
+    this.aspects = new Aspects(byId("aspects"), (output) => this.setView({ output }));
+    this.waves = new Waves(byId("waves"), setView);
+    this.pins = new Pins(byId("pins"), { persist: (task) => this.notice.persist(task), onpins: (pins) => this.setView({ pins }), onshow: (values) => this.setView({ values: { ...this.view.values, ...values } }) });
+    byId("keep").addEventListener("click", () => this.pins.pin(this.view));
+    this.optimum = new Optimum(
+      this.store,
+      { chips: byId("chips"), told: byId("best-told"), wishes: byId("wishes"), front: byId("front") },
+      {
+        setView,
+        mark: (marks, whose) => (marks === null ? this.ring() : this.picture.mark(marks, whose)),
+        persist: (task) => this.notice.persist(task),
+        tell: (job, view) => this.jobs.note(job, this.told(view)),
+        pin: (designs) => this.pins.pin(this.view, designs),
       },
+    );
+    this.away = new Away(byId("away"), {
+      study: (what) => (what === "best" ? this.optimum.study() : this.source.study(this.view)),
+      picture: () => (this.view.question === "drive" && this.optimum.front) || this.picture.drawing,
+      told: () => ({ title: `${byId("headline").textContent} ${capital(words(this.view.output))}`, lines: [valuesTold(this.view, this.store.scene.value)], link: location.href }),
+      tell: (job) => this.jobs.note(job, this.told(this.view)),
+      hasBest: () => this.view.question === "drive",
     });
-    this.pins = new Pins(byId("pins"), {
-      onpins: (pins) => this.setView({ pins }),
-      onshow: (values) => this.choose(values),
-    });
-    this.part = new PartHere(byId("part"), {
-      onpoint: (point) => this.setView({ point }),
-      onpin: () => this.pins.pin(this.view),
-    });
-    const { source, picture, controls, notice, jobs } = this;
-    const view = () => this.view;
-    const isOpen = () => this.opened === this.turn;
-    const note = (job, ofView) => jobs.note(job, this.told(ofView));
-    this.computing = new Computing({ view, isOpen, source, picture, controls, notice, note });
-    this.isReady = false; // the service has said what scenes there are
-    this.asked = null; // a question that was chosen before
-    this.turn = 0; // of views that were opened: the last one counts
-    this.opened = 0; // the last of them that is open
     byId("skip").addEventListener("click", (event) => {
       event.preventDefault(); // the address is that of the view
       byId("headline").focus();
+    });
+    byId("limits").addEventListener("click", () => {
+      byId("expert").open = true;
+      this.optimum.wishes.addLimit();
+    });
+  }
+
+  get view() {
+    return this.store.view.peek();
+  }
+
+  // Every picture of the page follows the state.
+  render() {
+    const seen = (draw) =>
+      effect(() => {
+        const [view, scene] = [this.store.view.value, this.store.scene.value];
+        if (view && scene) draw(view, scene);
+      });
+    seen((view, scene) => this.renderAnswer(view, scene));
+    seen((view) => this.renderMap(view));
+    seen((view, scene) => this.renderDesign(view, scene));
+    seen((view) => {
+      const { state } = this.matters;
+      if (view.question === "uncertain") tellMatters(byId("matters"), view, state.value);
+    });
+    seen((view, scene) => this.renderResonance(view, scene));
+    seen((view, scene) => {
+      const isHeld = this.store.held.value !== null;
+      untracked(() => {
+        if (!isHeld) this.pins.show(view, scene);
+        this.tellPins(view);
+      });
+    });
+  }
+
+  renderAnswer(view, scene) {
+    const state = this.answer.state.value;
+    const { value: found } = state;
+    const fit = view.question === "measured" ? this.fit.state.value : null;
+    const band = this.band.state.value;
+    const isBand = band.status === "ready" || band.isLate === false;
+    const matters = this.matters.state.value.value;
+    const waiting = this.notice.away.value;
+    const { status, value } = this.sine.state.value;
+    const sine = status === "ready" ? value : null;
+    let answer = null;
+    let shown = state;
+    if (fit && fit.status !== "none") {
+      shown = fit;
+      answer = fit.value ? fitTold(fit.value, scene) : null;
+    } else if (found) answer = answerTo({ view, scene, dataset: found.dataset, band: isBand ? band.value : null, matters, sine });
+    if (view.question === "drive" && answer) answer = { ...answer, strip: null, unit: `${answer.unit}${this.optimum.gain(view, valueOf(found.dataset, view.output))}` };
+    untracked(() => {
+      this.headline.show(shown, answer, { odd: this.oddity(view, scene), actions: this.actionsFor(view, shown, fit, waiting), waiting });
+      const errors = [...(state.status === "failed" ? (state.errors ?? []) : [])];
+      if (errors.length) this.controls.complain(errors);
+      else if (state.status === "ready") this.controls.clear();
+    });
+  }
+
+  // One click that helps, where there is no answer.
+  actionsFor(view, state, fit, waiting) {
+    if (waiting) return [{ text: "Ask now", onclick: () => this.notice.now() }];
+    if (state.status === "computing" && state.job) return [{ text: "Cancel", onclick: () => (fit ? this.fit : this.answer).cancel("Cancelled.") }];
+    if (fit?.value && Math.abs(view.values[fit.value.name] - fit.value.value) > 5e-4 * fit.value.value) {
+      return [{ text: `Use ${Number(fit.value.value.toPrecision(3))} as the ${words(fit.value.name)}`, onclick: () => this.controls.set(fit.value.name, Number(fit.value.value.toPrecision(4))) }];
+    }
+    if (state.status === "asking") return [{ text: "Compute it", onclick: () => this.fit.again({ isAgreed: true }) }];
+    if (state.status !== "failed") return [];
+    if (state.reason === "Cancelled.") return [{ text: "Compute", onclick: () => (fit ? this.fit : this.answer).again() }];
+    return [this.isStepped ? { text: "Go back", onclick: () => history.back() } : { text: "Begin anew", onclick: () => this.ask(view.question) }];
+  }
+
+  // A sentence about the first value outside of what is usual.
+  oddity(view, scene) {
+    for (const [name, value] of Object.entries(view.values)) {
+      const parameter = scene.parameters.find((one) => one.name === name);
+      const told = parameter && unusual(parameter, value, view.begun?.[name]);
+      if (told) return `${nameOf(name)}: ${told.slice(0, 1).toLowerCase()}${told.slice(1)}`;
+    }
+    return "";
+  }
+
+  renderMap(view) {
+    const state = this.map.state.value;
+    const waiting = this.notice.away.value;
+    const [band, others, edges] = [this.bandMap, this.others, this.edges].map((one) => one.state.value);
+    const answer = this.answer.state.value;
+    untracked(() => {
+      const isHeld = this.store.held.peek() !== null;
+      const unit = this.store.scene.peek().outputs.find(({ name }) => name === view.output)?.unit;
+      if (state.value && unit) state.value.z.unit = unit; // shares are told in per cent
+      if (state.value && (this.drawn !== state.value || this.drawnIn !== this.kindOf(view) + isHeld)) {
+        this.picture.show(state.value, view, { isMoving: isHeld, isRough: state.isPartial || (state.status === "asking" && Boolean(state.value)) });
+        [this.drawn, this.drawnIn, this.extra] = [state.value, this.kindOf(view) + isHeld, null];
+      }
+      const isOf = state.status === "ready" && !isHeld;
+      if (isOf && band.status === "ready" && this.extra !== band.value) {
+        this.extra = band.value;
+        this.picture.showBand(state.value, band.value, view.band);
+      }
+      if (band.status === "none") byId("beside").hidden = true;
+      if (isOf && others.status === "ready" && this.extra !== others.value) {
+        this.extra = others.value;
+        this.picture.showOthers(state.value, others.value);
+      }
+      if (isOf && edges.status === "ready" && edges.value && this.extra !== edges.value) {
+        this.extra = edges.value;
+        this.picture.sharpen(state.value, edges.value);
+      }
+      this.tellMap(state, waiting, [band, others].some(({ status }) => status === "computing"));
+      this.ring(answer.status === "ready" && !answer.isLate ? answer.value : null);
+    });
+  }
+
+  kindOf(view) {
+    return [view.scene, view.kind, view.choice, view.output, view.x.name, view.y?.name].join();
+  }
+
+  tellMap(state, waiting, isMore) {
+    const host = byId("picture");
+    host.setAttribute("aria-busy", String(state.status === "computing" || isMore || this.opening !== null));
+    const again = { text: "Compute", onclick: () => this.map.again() };
+    const agree = { text: "Compute it", onclick: () => this.map.again({ isAgreed: true }) };
+    const cancel = { text: "Cancel", onclick: () => this.map.cancel("Cancelled.") };
+    const { job } = state;
+    const told = job ? `${job.message} ${job.progress} %${job.secondsLeft ? `, ${duration(job.secondsLeft)} left` : ""}` : "";
+    const isCancelled = state.reason === "Cancelled.";
+    if (state.status === "asking") this.picture.dim(false, state.reason, agree);
+    else if (state.status === "failed") this.picture.dim(true, isCancelled ? state.reason : `Not drawn. ${state.reason}`, isCancelled ? again : null);
+    else if (waiting && state.isLate) this.picture.dim(true, `Old values. ${waiting}`, { text: "Ask now", onclick: () => this.notice.now() });
+    else if (state.status === "computing") this.picture.dim(state.isLate && Boolean(state.value), told || (state.isLate ? "Old values" : ""), told ? cancel : null);
+    else this.picture.dim(false);
+    byId("progress").textContent = state.status === "ready" ? "Shown." : state.status === "computing" ? told : "";
+  }
+
+  // The design in the map, and its value.
+  ring(found = this.answer.state.peek().value) {
+    const { view } = this;
+    const unit = this.store.scene.peek().outputs.find(({ name }) => name === view.output)?.unit ?? "1";
+    const ring = ringOf(view, found ? valueOf(found.dataset, view.output) : null, unit);
+    if (view.question === "drive" && ring.text && this.optimum.isShown(view)) ring.text = `best ${ring.text}`;
+    this.picture.mark([ring], "chosen");
+  }
+
+  // Stage, curves in time and lists follow the design.
+  renderDesign(view, scene) {
+    const state = this.answer.state.value;
+    const isHeld = this.store.held.value !== null;
+    untracked(() => {
+      const dataset = state.value?.dataset ?? null;
+      const course = this.courseOf(dataset);
+      const isOf = state.status === "ready";
+      byId("detail").setAttribute("aria-busy", String(state.status === "computing"));
+      for (const id of ["stage", "detail", "resonance"]) byId(id).classList.toggle("stale", state.isLate);
+      const hop = valueOf(dataset, "hop_height");
+      const ends = Object.fromEntries(
+        ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "gamma", "amplitude_along_1", "amplitude_normal_1"]
+          .map((name) => scene.parameters.find((one) => one.name === name))
+          .filter((one) => one && one.name in view.values)
+          .map((one) => [one.name, endsOf(view, one)]),
+      );
+      byId("stage").classList.toggle("row", Boolean(course?.row));
+      this.stage.show({ view, course, hop: hop > HOP ? hop : 0, ends });
+      byId("at-rest").textContent = course || !dataset ? "" : "This method gives means only: the part is drawn at rest.";
+      this.player.show(course, state.isLate || (isHeld && !isOf));
+      this.drawPanels();
+      this.controls.lift(isOf && view.kind === "simulate" ? valueOf(dataset, "throw_number") : null);
+      if (view.question === "resting") {
+        this.aspects.show(view, dataset, state.isLate);
+        this.tellOnward(view, isOf ? valueOf(dataset, view.output) : null);
+      }
+      if (LISTED.has(view.question)) tellValues(byId("values"), scene, dataset, state.isLate);
+      if (view.question === "orienting") {
+        tellDevices(byId("devices"), view, scene, { onadd: (name) => this.controls.add(name), onremove: (name) => this.controls.remove(name) });
+      }
+      tellSheet(byId("sheet"), { view, scene, dataset, version: byId("version").textContent });
+    });
+  }
+
+  // What a line would make of the part.
+  tellOnward(view, share) {
+    const { length, width, height } = view.values;
+    byId("onward").hidden = !(share >= 0) || view.choice !== "box" || !view.output.includes("_share_");
+    const line = begun("orienting");
+    const open = () => this.open({ ...line, values: { ...line.values, length, width, height } }, { isStep: true });
+    fill(
+      byId("onward"),
+      element("p", {}, `One part a second arrives: ${Math.round(60 * share)} a minute ${liesTold(view.output.replace(/^.*_share_/, ""))}.`),
+      element("button", { type: "button", onclick: open }, "What leaves my line?"),
+    );
+  }
+
+  courseOf(dataset) {
+    if (this.courseIn?.dataset !== dataset) this.courseIn = { dataset, course: courseOf(dataset) };
+    return this.courseIn.course;
+  }
+
+  drawPanels() {
+    const course = this.courseIn?.course ?? null;
+    byId("detail").hidden = !course;
+    this.tabs();
+    if (!course || !byId("panels-host").clientWidth) return;
+    this.panels.draw(course);
+    this.spoken = null;
+    this.moment(this.player.time, this.player.turns);
+  }
+
+  moment(time, turns) {
+    const { course } = this.player;
+    this.stage.moment(time, turns);
+    if (!course || this.panels.course !== course) return;
+    this.panels.at(time);
+    const mode = course.row ? null : MODES[modeAt(course, time + course.times[0])] ?? MODES.unknown;
+    const told = course.row ? platoonsTold(platoonsAt(course, time + course.times[0])) : `The part ${mode[1] === "in the air" ? "is in the air" : mode[1]}`;
+    if (!this.player.isRunning || this.spoken !== told) this.panels.tell(told);
+    this.spoken = told;
+    byId("moment").textContent = course.row ? `${told}.` : "";
+  }
+
+  renderResonance(view, scene) {
+    const state = this.resonance.state.value;
+    const answer = this.answer.state.value;
+    untracked(() => {
+      byId("resonance").hidden = state.status === "none";
+      if (!state.value || view.question !== "springs") return;
+      this.curve ??= new Curves(byId("resonance-host"), { onpick: ({ x }) => this.setView({ values: { ...this.view.values, frequency: x } }) });
+      byId("resonance").classList.toggle("stale", state.isLate);
+      if (this.curveOf !== state.value) {
+        this.curveOf = state.value;
+        const values = Array.from(state.value.x.values, (_, i) => state.value.z.at(i));
+        this.curve.show({ x: state.value.x, lines: [{ name: state.value.z.name, unit: state.value.z.unit, values }], regime: null, look: (name) => lookOf(scene, name) });
+      }
+      const natural = answer.value ? valueOf(answer.value.dataset, "natural_frequency") : null;
+      this.curve.mark([{ x: view.values.frequency, text: "the drive" }, ...(Number.isFinite(natural) ? [{ x: natural, text: "the springs", isLow: true }] : [])], "drive");
     });
   }
 
@@ -82,39 +421,6 @@ class Page {
     this.tellQuestions(fromLink(location.hash).wanted.question ?? "speed");
     const [friction] = await Promise.all([this.catalogue.ask("/friction"), this.catalogue.load()]);
     this.controls.frictions = friction.pairs;
-    const study = () => this.source.study(this.view);
-    const tell = (job) => this.jobs.note(job, this.told(this.view));
-    const extra = byId("extra");
-    this.optimum = new Optimum(byId("optimum"), {
-      first: extra,
-      beside: byId("beside"),
-      onmark: (marks) => this.picture.mark(marks, "best"),
-      onchoose: (at, how) => this.choose(at, how),
-      // A search that ends after its question was left has nothing to say.
-      onwish: (best) => this.view.question === "drive" && this.setView({ best }),
-      steps: () => this.picture.steps(),
-      persist: (task) => this.notice.persist(task),
-      tell,
-    });
-    // What a question has beside picture, fields and motion, by its record.
-    this.extras = {
-      matters: new Matters(extra),
-      measured: new Measured(extra, {
-        onruns: (runs) => this.setView({ runs }),
-        onvalue: (name, value) => this.setView({ values: { ...this.view.values, [name]: value } }),
-        tell,
-      }),
-      waves: new Waves(extra, (patch) => this.setView(patch)),
-    };
-    const best = () => this.optimum.study();
-    const picture = (what) => (what === "best" && this.optimum.front) || this.picture.drawing;
-    const told = () => ({
-      title: byId("headline").textContent,
-      lines: [valuesTold(this.view, this.seen)],
-      link: location.href,
-    });
-    this.away = new TakeAway(byId("away"), { study, best, picture, told, tell });
-    this.accuracy = new Accuracy(byId("accuracy"), { study, tell });
     window.addEventListener("hashchange", () => {
       if (location.hash !== this.link) this.restore();
     });
@@ -126,17 +432,15 @@ class Page {
   // Open what a question begins with; one that is chosen while the page opens waits for the scenes.
   async ask(question) {
     if (!this.isReady) this.asked = question;
-    else if (question === "thesis") await this.openFigure(null);
+    else if (question === "thesis") await this.openFigure("fig-5-1");
     else await this.open(begun(question), { isStep: true });
   }
 
   async restore() {
-    this.turn += 1; // what is still being opened is left
-    busy(true);
     const { wanted, complaints } = fromLink(location.hash);
     const question = wanted.question ?? "speed";
     if (question === "thesis" && !wanted.scene) {
-      await this.openFigure(null, { complaints, isStep: false });
+      await this.openFigure("fig-5-1", { complaints, isStep: false });
       return;
     }
     const known = this.catalogue.scene(wanted.scene);
@@ -144,66 +448,63 @@ class Page {
     const begin = begun(question);
     // What a question begins with need not be there in another system, or the other way to look.
     const isOther = ["scene", "kind"].some((name) => name in wanted && wanted[name] !== begin[name]);
-    if (isOther) Object.assign(begin, { output: "", choice: "", values: {}, x: undefined, y: undefined, set: undefined, point: undefined });
+    if (isOther) Object.assign(begin, { output: "", choice: "", values: {}, x: undefined, y: undefined, set: undefined, band: null });
+    const isOwn = Object.keys(wanted.values ?? {}).length > 0;
+    if (isOwn && begin.band && !wanted.band) begin.band = null; // a link says what is not known
     const values = { ...begin.values, ...wanted.values };
-    const view = { ...begin, ...wanted, values, question, scene: known ? wanted.scene : begin.scene };
-    await this.open(view, { complaints });
+    await this.open({ ...begin, ...wanted, values, question, scene: known ? wanted.scene : begin.scene }, { complaints, kept: Object.keys(wanted.values ?? {}) });
   }
 
-  async openFigure(figure, { complaints = [], isStep = true } = {}) {
+  async openFigure(name, { complaints = [], isStep = true } = {}) {
     const figures = await this.catalogue.figures();
-    const chosen = figure ?? figures.find(({ name }) => name === "fig-5-1") ?? figures[0];
+    const chosen = figures.find((one) => one.name === name) ?? figures[0];
     await this.open(viewOf(chosen), { complaints, isStep });
   }
 
   // A view in the list of jobs: what it shows, its values, and the link that opens it.
   told(view) {
     const axes = [view.x, view.y].filter(Boolean).map(({ name }) => words(name));
-    return {
-      title: `${words(view.output)} over ${axes.join(" and ")}`,
-      told: valuesTold(view, this.seen),
-      link: toLink(view),
-    };
+    return { title: `${words(view.output)} over ${axes.join(" and ")}`, told: valuesTold(view, this.store.scene.peek()), link: toLink(view) };
   }
 
-  // The one way in which a view changes: the address, the fields, the picture and the motion follow.
-  // `dragged` while a slider is held, `isHeld` while a point is: the address has the value where it is
-  // let go.
-  setView(patch, { dragged = null, isHeld = dragged !== null, isStep = true } = {}) {
+  // The one way in which a view changes: the address, the fields and every picture follow. `held` while a slider or a
+  // handle is: the address has the value where it is let go.
+  setView(patch, { held = null, isStep = true } = {}) {
     const before = this.view;
     const view = { ...before, ...patch };
-    const isSame = OPENED_ANEW.every((name) => view[name] === before[name]);
-    const names = (one) => Object.keys(one.values).join();
+    const isSame = OPENED_ANEW.every((name) => JSON.stringify(view[name]) === JSON.stringify(before[name]));
+    const names = (one) => Object.keys(one.values).sort().join();
     if (!isSame || names(view) !== names(before)) {
-      const isOfAxes = ["x", "y"].every((place) => view[place]?.name === before[place]?.name);
-      const isOther = ["kind", "scene", "output"].some((name) => name in patch);
       if ("kind" in patch || "scene" in patch) {
         view.set = before.set === STROKE ? STROKE : null;
         view.runs = view.recording = null;
       }
-      const best = view.best && { ...view.best, isFound: false };
-      if (patch.point) return this.open({ ...view, best }, { isSwitching: true, isStep: true });
-      const point = isOfAxes && !isOther && !patch.y && !patch.x ? view.point : null;
-      return this.open({ ...view, best, point }, { isSwitching: true, isStep: true });
+      const isBand = isSame || OPENED_ANEW.every((name) => name === "band" || JSON.stringify(view[name]) === JSON.stringify(before[name]));
+      const best = view.best && !isBand && !("best" in patch) ? { ...view.best, isFound: view.question === "drive" } : view.best;
+      return this.open({ ...view, best }, { isSwitching: true, isStep: true });
     }
-    if (patch.best) view.best = completeBest(view, this.seen).best;
-    this.view = frozen(view);
-    this.controls.follow(view);
-    if (this.optimum.view && view.question === "drive") this.optimum.follow(this.view);
-    if (!isHeld) this.keep({ isStep: isStep && (!patch.best || patch.best.isFound === before.best.isFound) });
-    if (patch.runs || patch.pins) this.tellBeside();
-    if (patch.point) this.part.place(view.point);
-    if (view.point && (patch.point || patch.values)) this.follow();
-    const isOfPins = patch.pins && !view.y;
-    return patch.values || isOfPins ? this.compute({ dragged }) : null;
+    if (patch.best) view.best = completeBest(view, this.store.scene.peek()).best;
+    this.put(view, held);
+    if (patch.runs) this.measured.show(this.view, this.store.scene.peek());
+    if (held === null) this.keep({ isStep: isStep && JSON.stringify(view) !== JSON.stringify(this.keptView) });
+    return null;
   }
 
-  // Open a view with a picture of its own; `isStep` where going back undoes it. What an `isSwitching`
-  // user leaves behind needs no word.
-  async open(wanted, { complaints = [], isSwitching = false, isStep = false } = {}) {
-    const turn = (this.turn += 1);
-    const isLeft = () => turn !== this.turn;
-    busy(true);
+  put(view, held) {
+    batch(() => {
+      this.store.view.value = frozen(view);
+      this.store.held.value = held;
+    });
+    this.controls.follow(this.view);
+  }
+
+  // Open a view with a picture of its own; `isStep` where going back undoes it. What an `isSwitching` user leaves
+  // behind needs no word; what is `kept`, by name, is somebody's.
+  async open(wanted, { complaints = [], isSwitching = false, isStep = false, kept = [] } = {}) {
+    const opening = {};
+    this.opening = opening;
+    byId("picture").setAttribute("aria-busy", "true");
+    const isLeft = () => this.opening !== opening;
     if (wanted.kind === "simulate" && !this.catalogue.scene(wanted.scene).methods.length) {
       wanted = { ...wanted, kind: "sweep", choice: "" }; // nothing is followed in time there
     }
@@ -227,105 +528,130 @@ class Page {
     learn(scene);
     const made = complete(wanted, scene);
     complaints.push(...made.complaints, ...(isSwitching ? [] : made.foreign));
-    const view = made.view;
+    const { view } = made;
+    const figures = LISTED.has(view.question) ? await this.catalogue.figures() : null;
+    if (isLeft()) return;
     if (view.question === "drive") {
       const whole = completeBest(view, scene);
       view.best = whole.best;
       if (!isSwitching) complaints.push(...whole.complaints);
     }
-    if (!scene.methods.length) view.point = null;
-    this.view = frozen(view);
-    this.seen = scene;
+    this.opening = null;
+    this.show(view, scene, { figures, isKept: kept.includes(view.x.name), isSwitching });
     this.keep({ isStep });
-    this.tellQuestions(view.question);
-    this.controls.show(view, this.catalogue.scenes, scene);
-    this.picture.begin(view, scene);
-    tellMeaning(byId("meaning").lastElementChild, view, scene);
-    document.querySelector("main").classList.remove("opening");
-    this.part.show(view, scene);
-    this.motion.begin(view);
-    await this.tellWhatElse();
-    if (isLeft()) return;
     this.notice.tell(complaints.slice(0, 1));
-    this.opened = turn;
-    const drawn = this.compute({ isFirst: true });
-    if (view.point) this.follow();
-    this.tellBeside();
-    await drawn;
-    if (isLeft() || view.question !== "drive" || !this.view.best.isFound) return;
-    await this.optimum.find({ isShown: !wanted.point });
   }
 
-  // What is told beside the picture of the view: marks of pins and runs, and pinned designs.
-  tellBeside() {
-    const { view } = this;
+  // Lay the page out for a view, and have everything follow it.
+  show(view, scene, { figures, isKept, isSwitching }) {
+    const before = this.view;
+    const record = QUESTIONS[view.question];
+    if (before?.question !== view.question) this.place(record);
+    if (view.question !== "drive") this.optimum.leave();
+    byId("wishes").hidden = view.question !== "drive";
+    byId("limits").hidden = view.question !== "drive";
+    this.tellQuestions(view.question);
+    this.headline.ask(record.title);
+    this.drawn = null;
+    this.picture.begin(view, scene);
+    byId("picture").classList.toggle("stale", Boolean(before));
+    this.controls.show(view, this.catalogue.scenes, scene);
+    if (view.question === "drive") this.optimum.show(view, scene, isKept || (isSwitching && this.optimum.isKept));
+    if (view.question === "waves") this.waves.show(view);
+    const isMeasured = view.question === "measured" && view.kind === "simulate" && Boolean(view.runs);
+    byId("measured").hidden = !isMeasured;
+    if (isMeasured) this.measured.show(view, scene);
+    byId("matters").hidden = view.question !== "uncertain";
+    if (figures) tellFigures(byId("figures"), figures, view.figure, (one) => (one ? this.openFigure(one.name) : this.ask("all")));
+    byId("stage").hidden = view.kind !== "simulate";
+    byId("map-title").hidden = view.question === "drive";
+    byId("map-title").textContent = record.main.includes("picture") ? capital(words(view.output)) : view.question === "resting" ? "How would another size lie?" : "Where else could I be?";
+    tellMeaning(byId("meaning").lastElementChild, view, scene);
+    document.querySelector("main").classList.remove("opening");
+    batch(() => {
+      this.store.scene.value = scene;
+      this.store.view.value = frozen(view);
+      this.store.held.value = null;
+    });
+  }
+
+  // The sections of a question, in its order.
+  place({ main, side }) {
+    const at = { main: byId("pictures"), side: byId("side-pictures") };
+    for (const id of SECTIONS) byId("pool").append(byId(id));
+    at.main.append(...main.map(byId));
+    at.side.append(...side.map(byId));
+    this.tab = [...main, ...side].find((id) => id in TABS);
+    this.tabs();
+  }
+
+  // On a phone one picture at a time.
+  tabs() {
+    const frame = byId("frame");
+    const there = Object.keys(TABS).filter((id) => !byId("pool").contains(byId(id)) && !byId(id).hidden);
+    const tab = there.includes(this.tab) ? this.tab : there[0];
+    frame.dataset.tab = tab ?? "";
+    const told = `${there.join()} ${tab}`;
+    if (this.tabsTold === told) return;
+    this.tabsTold = told;
+    fill(
+      byId("tabs"),
+      ...(there.length < 2 ? [] : there).map((id) =>
+        element("button", { type: "button", id: `tab-${id}`, "aria-pressed": String(id === tab), onclick: () => {
+          this.tab = id;
+          this.tabs();
+        } }, TABS[id]),
+      ),
+    );
+  }
+
+  // Marks of pins and runs in the picture.
+  tellPins(view) {
     const within = (axis, value) => !axis || (value >= axis.from && value <= axis.to);
     const pins = (view.pins ?? []).map((pin, i) => ({ x: pin[view.x.name], y: view.y ? pin[view.y.name] : null, text: LETTERS[i] }));
     this.picture.mark(pins.filter(({ x, y }) => within(view.x, x) && within(view.y, y ?? view.y?.from)), "pins");
     this.picture.points(view.question === "measured" && !view.y ? view.runs : null);
-    this.pins.show(view, this.seen);
   }
 
   tellQuestions(current) {
-    tellQuestions(byId("questions"), current, (question) => this.ask(question));
-  }
-
-  // What a question has besides the picture and its fields.
-  async tellWhatElse() {
-    const { question, figure } = this.view;
-    byId("figures").hidden = question !== "thesis";
-    byId("optimum").hidden = question !== "drive";
-    this.away.offer(question === "drive");
-    this.extra = this.extras[QUESTIONS[question].extra] ?? null;
-    byId("extra").hidden = !QUESTIONS[question].extra || question === "thesis";
-    byId("extra").className = QUESTIONS[question].extra ?? "";
-    if (this.extra && this.hasExtra()) this.extra.show(this.view, this.seen);
-    else if (question !== "drive") byId("extra").hidden = true;
-    if (question === "drive") {
-      this.optimum.show(this.view, this.seen);
-      return;
+    const nav = byId("questions");
+    const shown = current === "all" ? "thesis" : current;
+    if (!nav.childElementCount) {
+      const groups = new Map();
+      for (const [name, { group, nav: text }] of Object.entries(QUESTIONS)) {
+        if (!group) continue;
+        if (!groups.has(group)) groups.set(group, []);
+        groups.get(group).push([name, text]);
+      }
+      const choice = byId("choose-question");
+      choice.addEventListener("change", () => this.ask(choice.value));
+      for (const [group, list] of groups) {
+        nav.append(
+          element("h2", {}, group),
+          ...list.map(([name, text]) => element("button", { type: "button", id: `question-${name}`, onclick: () => this.ask(name) }, text)),
+        );
+        choice.append(element("optgroup", { label: group }, ...list.map(([name]) => element("option", { value: name }, QUESTIONS[name].title))));
+      }
     }
-    this.optimum.forget();
-    if (question === "thesis") {
-      const figures = await this.catalogue.figures();
-      tellFigures(byId("figures"), figures, figure, (chosen) => this.openFigure(chosen));
-    }
-  }
-
-  compute(how) {
-    return this.computing.compute(how);
+    for (const one of nav.querySelectorAll("button")) one.setAttribute("aria-current", String(one.id === `question-${shown}`));
+    byId("choose-question").value = shown;
   }
 
   // The address restores the view, also where its picture takes long; a step is undone by going back.
   keep({ isStep }) {
     this.link = toLink(this.view);
+    this.keptView = this.view;
     if (this.link === location.hash) return;
+    this.isStepped ||= isStep;
     if (isStep) history.pushState(null, "", this.link);
     else history.replaceState(null, "", this.link);
   }
+}
 
-  // Show a drive as a whole: its point, and the values that are no axes.
-  choose(at, { isStep = true } = {}) {
-    const { values, x, y } = this.view;
-    const moved = Object.fromEntries(Object.entries(at).filter(([name]) => name in values));
-    const isOther = Object.keys(moved).some((name) => moved[name] !== values[name]);
-    const point = { x: at[x.name], y: y ? at[y.name] : null };
-    return this.setView(isOther ? { values: { ...values, ...moved }, point } : { point }, { isStep });
-  }
-
-  // The motion at the point of the view.
-  async follow() {
-    if (!this.catalogue.scene(this.view.scene)?.methods.length) return;
-    this.picture.mark([{ ...this.view.point, text: "", isDragged: true }], "chosen");
-    await this.motion.follow(this.view, this.seen);
-  }
-
-  // Whether what a question has beside its picture makes sense of the view.
-  hasExtra() {
-    const { kind, point, y, runs } = this.view;
-    if (kind !== "simulate" || !point || !this.seen.outputs.some(({ name }) => name === "conveying_velocity")) return false;
-    return this.extra !== this.extras.measured || (!y && Boolean(runs));
-  }
+// Which parts of a row touch, in a sentence: those of each platoon by the numbers of its ends.
+function platoonsTold(platoons) {
+  const joined = platoons.filter(({ length }) => length > 1).map((one) => `${one[0]} to ${one[one.length - 1]}`);
+  return joined.length ? `Parts ${joined.join(", and ")} touch` : "No parts touch";
 }
 
 const page = new Page();

@@ -4,13 +4,30 @@ import { axesDrawn, axisOf, FRAME } from "./axes.js";
 import { scaleOf } from "./colours.js";
 import { drawn, element, fill } from "./elements.js";
 import { svgDocument } from "./exported.js";
-import { bordersDrawn, clipDrawn, contoursDrawn, hatchDrawn, paint, thinned } from "./layers.js";
-import { legendOf, occurring, scaleTold } from "./legend.js";
+import { bordersDrawn, clipDrawn, hatchDrawn, paint, thinned } from "./layers.js";
+import { occurring, scaleTold } from "./legend.js";
 import { markDrawn } from "./marks.js";
 import { giveWay, namesDrawn } from "./names.js";
 import { capital, withUnit, words } from "./words.js";
 
 let maps = 0;
+
+// Regimes that one word stands for are one area, by the value of its most frequent one.
+function areasOf(regimes) {
+  const areas = new Map();
+  for (const one of regimes) {
+    const key = one.valid ? one.said : one.name;
+    const area = areas.get(key);
+    if (area) area.values.add(one.value);
+    else areas.set(key, { ...one, values: new Set([one.value]) });
+  }
+  return [...areas.values()];
+}
+
+function joined(regime, areas) {
+  const of = new Map(areas.flatMap(({ value, values }) => [...values].map((one) => [one, value])));
+  return { ...regime, of: regime, at: (i, j) => of.get(regime.at(i, j)) ?? regime.at(i, j) };
+}
 
 export class HeatMap {
   // `onpick` is called with {x, y} when a point is clicked, or Enter is pressed at the cursor;
@@ -27,9 +44,8 @@ export class HeatMap {
     this.hint = hint; // told while no point is
     this.clipId = `inside-${(maps += 1)}`;
     this.canvas = element("canvas", { "aria-hidden": "true" });
-    this.svg = drawn("svg", { "aria-hidden": "true" });
+    this.svg = drawn("svg", { "aria-hidden": "true", preserveAspectRatio: "none" });
     this.said = element("p", { class: "said", "aria-live": "polite" }, hint);
-    this.legend = element("ul", { class: "legend", "aria-label": "Regimes" });
     this.scale = element("div", { class: "scale" });
     this.box = element(
       "div",
@@ -49,7 +65,7 @@ export class HeatMap {
       this.canvas,
       this.svg,
     );
-    fill(host, this.box, this.said, ...(isSmall ? [] : [this.scale, this.legend]));
+    fill(host, this.box, ...(isSmall ? [] : [this.scale, this.said]));
     this.data = null;
     this.cursor = null; // {x, y}, values of the axes: the next picture may have other cells
     this.marks = {}; // by who sets them
@@ -59,8 +75,9 @@ export class HeatMap {
   // data: {x, y: {name, unit, values}, z: {name, unit, at(i, j), isJudged}, regime: {at(i, j), names} or null,
   // look(name) of a regime}. While it `isMoving`, lines are drawn of fewer values: they take most of
   // the time. A `range` of colours is that of several maps.
-  show(data, { isMoving = false, range = null } = {}) {
+  show(data, { isMoving = false, isRough = false, range = null } = {}) {
     this.data = data;
+    this.isRough = isRough;
     this.edges = null;
     delete this.box.dataset.borders;
     this.isMoving = isMoving;
@@ -75,16 +92,18 @@ export class HeatMap {
     if (!isHeld) this.range = range ?? scaleOf(this.flat);
     this.rangeOf = data.z.name;
     this.regimes = occurring(data, data.look);
+    this.areas = areasOf(this.regimes);
+    if (data.regime) this.data = { ...data, regime: joined(data.regime, this.areas) };
     this.draw();
     fill(this.scale, ...scaleTold(this.range, data.z, this.flat));
-    fill(this.legend, ...legendOf(this.regimes));
+    this.box.dataset.size = `${data.x.values.length} x ${data.y.values.length}`;
     if (this.cursor) this.say();
   }
 
   // Draw the borders of what is shown by what lies between its cells; `regime` tells which picture it is of.
   sharpen(regime, edges) {
-    if (this.data?.regime !== regime) return;
-    this.edges = edges;
+    if (this.data?.regime?.of !== regime) return;
+    this.edges = { ...edges, across: joined({ at: edges.across }, this.areas).at, up: joined({ at: edges.up }, this.areas).at };
     this.box.dataset.borders = "exact";
     this.draw();
   }
@@ -112,22 +131,20 @@ export class HeatMap {
     const { data } = this;
     this.x = axisOf(data.x, left, width - right);
     this.y = axisOf(data.y, height - bottom, top);
-    Object.assign(this.canvas.style, {
-      left: `${left}px`,
-      top: `${top}px`,
-      width: `${width - left - right}px`,
-      height: `${height - top - bottom}px`,
-    });
-    paint(this.canvas, this);
+    // In parts of the box, as the drawing is: both keep together whatever its size, on paper, too.
+    const [wide, tall] = [width - left - right, height - top - bottom];
+    const part = (one, all) => `${(100 * one) / all}%`;
+    Object.assign(this.canvas.style, { left: part(left, width), top: part(top, height), width: part(wide, width), height: part(tall, height) });
+    this.box.style.setProperty("--ratio", `${width} / ${height}`);
+    paint(this.canvas, this, wide, tall);
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     const ground = this.isMoving ? thinned(this) : this;
     fill(
       this.svg,
       clipDrawn(this.clipId, width, height),
-      hatchDrawn(ground, this.regimes),
-      contoursDrawn(ground),
-      bordersDrawn(ground, this.regimes),
-      namesDrawn(this.isMoving ? ground : thinned(this), this.regimes),
+      hatchDrawn(ground, this.areas),
+      bordersDrawn(ground, this.areas),
+      namesDrawn(this.isMoving ? ground : thinned(this), this.areas),
       this.axesDrawn(width, height),
       this.marksDrawn(),
       this.cursorDrawn(),
@@ -258,7 +275,7 @@ export class HeatMap {
       `${words(y.name)} ${withUnit(y.values[j], y.unit)}`,
       `${words(z.name)} ${withUnit(z.at(i, j), z.unit)}`,
     ];
-    if (regime) parts.push(words(regime.names[regime.at(i, j)] ?? ""));
+    if (regime) parts.push(words(regime.names[regime.of.at(i, j)] ?? ""));
     this.said.textContent = capital(parts.filter(Boolean).join(", "));
   }
 
@@ -309,7 +326,7 @@ export class HeatMap {
       "image-rendering": "pixelated",
       href: this.canvas.toDataURL(),
     });
-    const bar = { range: this.range, name: this.data.z.name, unit: this.data.z.unit };
+    const bar = { range: this.range, ...this.data.z };
     return svgDocument([colours, ...copy.childNodes], { width, height, style, told, bar, regimes: this.regimes });
   }
 }

@@ -1,7 +1,6 @@
 // What the service found, in words: the drive, how far it is from each limit, what a little more would do.
 
 import { element } from "./elements.js";
-import { lookOf } from "./markers.js";
 import { capital, number, withUnit, words } from "./words.js";
 
 const STATUSES = {
@@ -23,28 +22,9 @@ function row(head, text) {
   return element("tr", {}, element("th", { scope: "row" }, head), element("td", {}, text));
 }
 
-// The table of a design: what was chosen, the outputs there, and the shares of units that break limits.
-export function designTold(design, scene, units, output) {
-  const rows = Object.entries(design.at).map(([name, value]) => {
-    const { end } = design.ends.find((one) => one.name === name) ?? {};
-    const told = end ? `, at the ${end === "lower" ? "lower" : "upper"} end of its range` : "";
-    return row(`Best ${words(name)}`, `${withUnit(value, units(name))}${told}`);
-  });
-  const outputs = new Set(scene.outputs.map(({ name }) => name));
-  for (const [name, { value, unit, long }] of Object.entries(design.values)) {
-    const isOwn = name === "objective" && Math.abs(value - design.values[output].value) > 1e-9 * Math.abs(value);
-    const isTold = name === "objective_error" || /^probability_.*_broken$/.test(name);
-    if (outputs.has(name) || isOwn || isTold) rows.push(row(long ?? capital(words(name)), withUnit(value, unit)));
-  }
-  return element("table", {}, ...rows);
-}
-
 // How far the part is from leaving floor or wall, and from each limit.
 export function marginsTold(design, scene) {
   const found = [];
-  const look = lookOf(scene, design.regime.name);
-  const meaning = look.meaning || words(design.regime.name);
-  if (meaning) found.push(`There ${meaning}${look.valid ? "" : ": these values do not describe a real part"}.`);
   for (const { name, level, begins } of scene.outputs) {
     const value = design.values[name]?.value;
     if (!Number.isFinite(level) || !Number.isFinite(value)) continue;

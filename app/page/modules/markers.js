@@ -1,6 +1,7 @@
 // Marks of regimes: each has its colour and its shape, so that nobody needs to tell colours apart.
 
 import { drawn } from "./elements.js";
+import { words } from "./words.js";
 
 // Within 1 of the middle.
 const CIRCLE = "M1 0A1 1 0 1 1-1 0A1 1 0 1 1 1 0Z";
@@ -34,10 +35,14 @@ const SHAPES = {
   "#ffffff": CROSS,
 };
 
-// {colour, ink, shape, meaning, valid} of a regime of a scene by its name.
+// In a map: regimes with the same word are one area.
+const SAID = { stick: "slides", slip: "slides", stick_slip: "slides", hopping: "hops", hop_after_hop: "hops", period_doubled: "hops", aperiodic: "hops" };
+
+// {said, colour, ink, shape, meaning, valid} of a regime of a scene by its name.
 export function lookOf(scene, name) {
   const found = scene.regimes.find((one) => one.name === name);
   return {
+    said: SAID[name] ?? words(name),
     colour: found?.colour ?? "#888888",
     ink: found?.ink ?? "#444444",
     shape: SHAPES[found?.colour] ?? CIRCLE,

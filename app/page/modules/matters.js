@@ -1,9 +1,10 @@
-// What matters most for the speed at the chosen point: shares of its variance, as the service computes
-// them (Sobol's first-order indices), as bars.
+// What matters most for the speed of the design: shares of its variance, as the service computes them (Sobol's
+// first-order indices), as bars.
 
-import { recordedDrive, valuesAt } from "./computed.js";
+import { recordedDrive } from "./computed.js";
 import { element, fill } from "./elements.js";
-import { Refusal, carryOut, left } from "./service.js";
+import { carryOut } from "./service.js";
+import { givenValues } from "./view.js";
 import { capital, number, words } from "./words.js";
 
 const SAMPLES = 512;
@@ -13,79 +14,62 @@ const LEAST_SHARE = 0.005;
 const SHARES = { frequency: 0.01, amplitude: 0.05, peak_to_peak: 0.05 };
 const DEGREES = { beta: 1, gamma: 0.5, alpha: 1 };
 
-export class Matters {
-  constructor(host) {
-    this.host = host;
-    this.said = element("p", { class: "matters-said" });
-    this.bars = element("ul", { class: "matters", "aria-label": "What matters most" });
+// The study of what matters: the band of the view, and what drives are usually known to. Null without a speed.
+export function mattersStudy(view, scene) {
+  const isSpeed = view.kind === "simulate" && scene.outputs.some(({ name }) => name === "conveying_velocity");
+  if (view.question !== "uncertain" || !isSpeed) return null;
+  const fixed = givenValues(view);
+  const uncertain = {};
+  for (const [name, value] of Object.entries(view.values)) {
+    const half = view.band?.name === name ? view.band.share * Math.abs(value) : (DEGREES[name] ?? (SHARES[name] ?? 0) * Math.abs(value));
+    if (!(half > 0)) continue;
+    uncertain[name] = { lower: value - half, upper: value + half };
+    delete fixed[name];
   }
+  return {
+    kind: "sensitivity",
+    scene: view.scene,
+    ...recordedDrive(view),
+    ...(view.choice ? { method: view.choice } : {}),
+    outputs: ["conveying_velocity"],
+    parameters: fixed,
+    uncertain,
+    analyses: ["sobol"],
+    samples: SAMPLES,
+  };
+}
 
-  show() {
-    this.for = null;
-    fill(this.host, this.said, this.bars);
-    fill(this.bars);
-    this.said.textContent = "Computing which parameters matter most ...";
-  }
+// The parameters that matter, {name, share}, most first.
+export async function mattersOf(view, scene, { signal, tell }) {
+  const { dataset } = await carryOut("sensitivity", mattersStudy(view, scene), { signal, tell });
+  const names = Object.keys(dataset.coordinates.uncertain.flags);
+  const shares = dataset.variables.conveying_velocity_first.data;
+  return names
+    .map((name, i) => ({ name, share: shares[i] }))
+    .filter(({ share }) => share > LEAST_SHARE)
+    .sort((one, other) => other.share - one.share)
+    .slice(0, MOST);
+}
 
-  // The ranges of what is uncertain: the band of the view, and what drives are usually known to.
-  uncertain(view) {
-    const values = valuesAt(view, view.point);
-    const found = {};
-    for (const [name, value] of Object.entries(values)) {
-      const half = view.band?.name === name ? view.band.share * Math.abs(value) : (DEGREES[name] ?? (SHARES[name] ?? 0) * Math.abs(value));
-      if (half > 0) found[name] = { lower: value - half, upper: value + half };
-    }
-    return { found, values };
-  }
-
-  async follow(view) {
-    const { found, values } = this.uncertain(view);
-    const fixed = Object.fromEntries(Object.entries(values).filter(([name]) => !(name in found)));
-    const study = {
-      kind: "sensitivity",
-      scene: view.scene,
-      ...recordedDrive(view),
-      ...(view.choice ? { method: view.choice } : {}),
-      outputs: ["conveying_velocity"],
-      parameters: fixed,
-      uncertain: found,
-      analyses: ["sobol"],
-      samples: SAMPLES,
-    };
-    const text = JSON.stringify(study);
-    if (this.for === text) return;
-    this.for = text;
-    this.abort?.abort(left());
-    this.abort = new AbortController();
-    try {
-      const { dataset } = await carryOut("sensitivity", study, { signal: this.abort.signal });
-      if (this.for === text) this.tell(dataset, view);
-    } catch (error) {
-      if (error.name === "AbortError" || this.for !== text) return;
-      if (!(error instanceof Refusal)) throw error;
-      this.said.textContent = `Which parameters matter most cannot be computed here: ${error.errors[0]?.message ?? error.message}.`;
-    }
-  }
-
-  tell({ coordinates, variables }, view) {
-    const names = Object.keys(coordinates.uncertain.flags);
-    const shares = variables.conveying_velocity_first.data;
-    const rows = names
-      .map((name, i) => ({ name, share: shares[i] }))
-      .filter(({ share }) => share > LEAST_SHARE)
-      .sort((one, other) => other.share - one.share)
-      .slice(0, MOST);
-    const own = view.band ? `${words(view.band.name)} within ${number(100 * view.band.share, 3)} %` : "nothing else";
-    this.said.textContent = rows.length
-      ? `What matters most, with ${own}, amplitude within 5 %, frequency 1 %, elevation 1°, climb 0.5°:`
-      : "None of the uncertain parameters matters here.";
-    fill(
-      this.bars,
-      ...rows.map(({ name, share }) => {
+export function tellMatters(host, view, { status, value, reason, isLate }) {
+  host.classList.toggle("stale", isLate);
+  const own = view.band ? `${words(view.band.name)} within ${number(100 * view.band.share, 3)} %` : "nothing else";
+  const told = {
+    computing: "Computing what matters most.",
+    failed: `Which parameters matter most cannot be computed here. ${reason}`,
+  }[value ? "ready" : status] ?? (value?.length ? `With ${own}, amplitude within 5 %, frequency 1 %, angle 1°, climb 0.5°:` : "None of the uncertain parameters matters here.");
+  fill(
+    host,
+    element("h3", {}, "What matters most?"),
+    element("p", { class: "pale" }, told),
+    element(
+      "ul",
+      { class: "matters", "aria-label": "What matters most" },
+      ...(value ?? []).map(({ name, share }) => {
         const bar = element("span", { class: "share" });
-        bar.style.width = `${100 * Math.min(1, share)}%`;
-        return element("li", {}, element("span", {}, `${capital(words(name))} ${number(100 * share, 2)} %`), element("span", {}, bar));
+        bar.style.setProperty("--share", `${100 * Math.min(1, share)}%`);
+        return element("li", {}, element("span", {}, `${capital(words(name))} ${number(100 * share, 2)} %`), bar);
       }),
-    );
-  }
+    ),
+  );
 }

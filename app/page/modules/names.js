@@ -1,16 +1,15 @@
 // Names of regimes in a map: each in the middle of the widest place that its regime has.
 
 import { drawn } from "./elements.js";
-import { capital, words } from "./words.js";
 
-const LETTER = { wide: 8, tall: 20 }; // px, of a name
+const LETTER = { wide: 7, tall: 20 }; // px, of a name
 const RING = 10; // px, around a marked point
 const FITS = 0.5; // of the name's own size, from its middle to the next border
 
 export function namesDrawn({ data, x, y }, regimes) {
   const group = drawn("g", { class: "names" });
   if (regimes.length < 2) return group;
-  const texts = new Map(regimes.map(({ value, name }) => [value, capital(words(name))]));
+  const texts = new Map(regimes.map(({ value, said }) => [value, said]));
   for (const [value, { room, i, j }] of widest({ data, x, y }, texts)) {
     if (room < FITS) continue;
     const place = { x: x.place(data.x.values[i]), y: y.place(data.y.values[j]) + 4 };

@@ -1,7 +1,9 @@
-// What the page says at its top: what is wrong, that the service is waited for, that it asks for a key.
+// What the page says at its top: what is wrong, and that it asks for a key; that the service is waited for is said
+// beside the number.
 
 import { element, fill } from "./elements.js";
 import { Away, Refusal, isPassing, key } from "./service.js";
+import { signal } from "./store.js";
 
 const RETRY = 2000; // ms
 const KEY = /^[\x21-\x7e]+$/; // what a header can carry
@@ -13,6 +15,8 @@ export class Notice {
     this.host = host;
     this.sentences = []; // of what is wrong
     this.waiting = null; // what has to end before the page goes on
+    this.away = signal(""); // why the service does not answer, while it does not
+    this.retries = new Set(); // what asks it again at once
     this.asking = null; // promise that a key is given
   }
 
@@ -37,22 +41,31 @@ export class Notice {
       const used = key.get();
       try {
         const found = await task();
-        if (this.waiting && !this.asking) this.wait(null);
+        this.away.value = "";
         return found;
       } catch (error) {
         if (error instanceof Refusal && asksForKey(error)) {
           // A late refusal of a key in whose place another has been given is none of that one.
           if (key.get() === used) await (this.asking ??= this.askForKey(error));
         } else if (isPassing(error)) {
-          const told = error instanceof Away ? "The service does not answer." : error.message;
-          if (!this.asking) this.wait(element("p", {}, `${told} Asking again ...`));
-          await new Promise((done) => setTimeout(done, RETRY));
+          const told = error instanceof Away ? "The service does not answer" : error.message.replace(/\.$/, "");
+          this.away.value = `${told}; asking again in ${RETRY / 1000} s.`;
+          await new Promise((done) => {
+            this.retries.add(done);
+            setTimeout(done, RETRY);
+          });
         } else {
-          if (this.waiting && !this.asking) this.wait(null);
+          this.away.value = "";
           throw error;
         }
       }
     }
+  }
+
+  // Ask the service again at once.
+  now() {
+    for (const retry of this.retries) retry();
+    this.retries.clear();
   }
 
   askForKey(error) {

@@ -40,9 +40,9 @@ export function readNumber(text, unit) {
 // The value of a number and a unit that fits, in the unit of the service; else null.
 function withUnitTyped(text, unit) {
   const known = TYPED[unit] ?? {};
-  const name = Object.keys(known)
-    .filter((one) => text.endsWith(one))
-    .sort((one, other) => other.length - one.length)[0];
+  const endings = (fold) => Object.keys(known).filter((one) => fold(text).endsWith(fold(one)));
+  const exact = endings((one) => one);
+  const [name] = (exact.length ? exact : endings((one) => one.toLowerCase())).sort((one, other) => other.length - one.length);
   if (name === undefined) return null;
   const value = evaluated(text.slice(0, -name.length));
   const [perUnit, nameShown] = shown(unit);

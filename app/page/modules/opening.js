@@ -4,7 +4,7 @@ import { SETS, isSet } from "./sets.js";
 import { shownParameters, typical, usual } from "./view.js";
 import { capital, words } from "./words.js";
 
-const FIRST_OUTPUTS = ["conveying_velocity", "acceleration_x", "track_amplitude"];
+const FIRST_OUTPUTS = ["conveying_velocity", "drift_velocity", "acceleration_x", "track_amplitude"];
 const FIRST_AXES = ["amplitude", "beta"];
 
 // A name that may be anybody's, as it is told.
@@ -23,10 +23,8 @@ export function complete(wanted, scene) {
   complaints.push(...chooseAxes(view, byName));
   const foreign = Object.keys(view.values).filter((name) => !byName[name]);
   for (const name of foreign) delete view.values[name];
-  for (const { name } of parameters) {
-    if (name === view.x.name || name === view.y?.name) delete view.values[name];
-    else view.values[name] ??= typical(byName[name]);
-  }
+  for (const { name } of parameters) view.values[name] ??= begunWith(view, byName[name]);
+  view.begun = Object.fromEntries(Object.entries(view.begun ?? {}).filter(([name]) => byName[name]));
   view.own = Object.fromEntries(parameters.map((one) => [one.name, one.default]));
   if (view.pins) {
     const isOfScene = (pin) => Object.keys(pin).every((name) => scene.parameters.some((one) => one.name === name));
@@ -34,7 +32,6 @@ export function complete(wanted, scene) {
     if (pins.length < view.pins.length) foreign.push("a pinned design");
     view.pins = pins;
   }
-  if (view.kind === "simulate") view.point ??= pointOf(view, byName);
   if (view.band && !Object.hasOwn(view.values, view.band.name)) {
     foreign.push(view.band.name);
     view.band = null;
@@ -42,13 +39,11 @@ export function complete(wanted, scene) {
   return { view, complaints, foreign: foreign.map((name) => `${capital(told(name))} is not a parameter of this system.`) };
 }
 
-// The point whose motion is shown to begin with: what is typical, within the axes.
-function pointOf({ x, y }, byName) {
-  const within = ({ name, from, to }) => {
-    const value = typical(byName[name]);
-    return value > from && value < to ? value : (from + to) / 2;
-  };
-  return { x: within(x), y: y ? within(y) : null };
+// What is typical, for an axis within its ends.
+function begunWith({ x, y }, parameter) {
+  const value = typical(parameter);
+  const axis = [x, y].find((one) => one?.name === parameter.name);
+  return axis && (value <= axis.from || value >= axis.to) ? (axis.from + axis.to) / 2 : value;
 }
 
 function chooseOutput(view, scene) {

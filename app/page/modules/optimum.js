@@ -1,271 +1,328 @@
-// The best drive: wishes, the study, what was found, and the pictures of it, linked to each other.
+// The best drive: chips of what may be meant by it, the flight of the design to it, and what holds it back.
 
 import { designsOf, isBent } from "./answer.js";
-import { bandOf, neighboursOf } from "./around.js";
 import { bestStudy, variablesOf } from "./best.js";
-import { element, fill, refill } from "./elements.js";
+import { carryOut } from "./service.js";
+import { design, studyWith, valueOf } from "./computed.js";
+import { element, fill } from "./elements.js";
 import { Front } from "./front.js";
-import { designTold, marginsTold, ratesTold, statusTold } from "./margin.js";
-import { bandTold, neighboursDrawn, neighboursTold } from "./neighbours.js";
-import { Parallel } from "./parallel.js";
-import { carryOut, left } from "./service.js";
+import { marginsTold, ratesTold, statusTold } from "./margin.js";
+import { nameOf } from "./slider.js";
+import { Derived, effect, untracked } from "./store.js";
+import { givenValues } from "./view.js";
 import { Wishes } from "./wishes.js";
-import { withUnit, words } from "./words.js";
+import { capital, number, shown, withUnit, words } from "./words.js";
 
-const NEAR = 0.06; // of an axis of the picture
+const FLIGHT = 900; // ms
+const ASIDE = { degree: 2 }; // what a drive is set to within, else a share of it
+const SHARE = 0.05;
+const TOLD = ["conveying_velocity", "hop_height", "throw_number"];
+
+const LIFT = "throw_number";
+const withoutLevel = (limits) => limits.filter(({ output, upper }) => output !== LIFT || upper !== 1);
+
+// What may be meant by the best: a chip each, that changes what is wished for.
+const CHIPS = {
+  fastest: { title: "Fastest", fits: () => true, wish: (best) => ({ ...best, isRobust: false, limits: withoutLevel(best.limits) }) },
+  still: {
+    title: "No hop",
+    fits: (view, scene) => view.kind === "simulate" && scene.outputs.some(({ name, level }) => name === LIFT && level === 1),
+    wish: (best) => ({ ...best, isRobust: false, limits: [...withoutLevel(best.limits), { output: LIFT, lower: null, upper: 1, absolute: false }] }),
+  },
+  robust: {
+    title: "Robust",
+    fits: (view) => Boolean(view.band) && view.best.kind === "maximise" && view.band.name in view.values,
+    wish: (best) => ({ ...best, isRobust: true, limits: withoutLevel(best.limits) }),
+  },
+};
+
+const SPEEDS = new Set(["conveying_velocity", "drift_velocity"]);
+
+function titleOf(chip, view) {
+  if (chip !== "fastest") return CHIPS[chip].title;
+  if (view.best.kind === "pareto") return "Trade-off";
+  if (view.best.kind === "minimise") return "Smallest";
+  return SPEEDS.has(view.output) ? CHIPS[chip].title : "Largest";
+}
+
+function chipOf({ isRobust, limits }) {
+  if (isRobust) return "robust";
+  return withoutLevel(limits).length < limits.length ? "still" : "fastest";
+}
 
 export class Optimum {
-  // `onmark(marks)` shows points in the picture, `onchoose(at)` a drive as a whole, `onwish(best)` hears
-  // of what is wished for, or found, `steps()` gives how far the values of the picture lie apart,
-  // `persist(task)` asks until the service answers.
-  // A trade-off is drawn in `beside`, next to the picture; what is asked for first stands in `first`.
-  constructor(host, { first, beside, onmark, onchoose, onwish, steps, persist, tell }) {
-    this.host = host;
-    this.first = first;
-    this.beside = beside;
-    this.onmark = onmark;
-    this.onchoose = onchoose;
-    this.onwish = onwish;
-    this.steps = steps;
-    this.persist = persist;
-    this.tellJob = tell;
-    this.form = element("div", { class: "wishes" });
-    this.wishes = new Wishes(this.form, (best) => this.onwish(best));
-    this.said = element("div", { role: "status", class: "finding" });
-    this.answer = element("div", { class: "answer" });
-    fill(host, element("h2", { tabindex: "-1" }, "Which drive is best, and how certain is that?"), this.form, this.answer);
-    this.designs = [];
+  /**
+   * `hosts` are {chips, told, wishes, front}; `setView(patch, how)` changes the view, `mark(marks, whose)` shows points in
+   * the picture, `ring()` draws the design's where it is.
+   * @param {import("./store.js").Store} store @param {any} hosts @param {any} how
+   */
+  constructor(store, hosts, { setView, mark, persist, tell, pin }) {
+    this.store = store;
+    this.hosts = hosts;
+    this.setView = setView;
+    this.mark = mark;
+    this.pin = pin;
+    this.frame = 0;
+    this.wishes = new Wishes(hosts.wishes, (best) => setView({ best }));
+    this.before = null; // the design that was there first
+    this.applied = null; // the search whose design was taken
+    const ofQuestion = (view) => view.question === "drive" && view.best;
+    const found = (chip) =>
+      new Derived(store, {
+        key: (view, scene) => {
+          if (!ofQuestion(view) || !view.best.isFound || !CHIPS[chip].fits(view, scene)) return null;
+          const isChosen = chipOf(view.best) === chip;
+          if (!isChosen && (this.chosen(view)?.value.status !== "ready" || view.best.kind !== "maximise")) return null;
+          return JSON.stringify(bestStudy({ ...view, best: CHIPS[chip].wish(view.best) }, scene));
+        },
+        ask: async (view, scene, how) => {
+          const wished = { ...view, best: CHIPS[chip].wish(view.best) };
+          const told = (job) => {
+            how.tell(job);
+            tell(job, view);
+          };
+          const { dataset } = await carryOut("optimise", bestStudy(wished, scene), { signal: how.signal, tell: told });
+          return designsOf(dataset, variablesOf(wished));
+        },
+        persist,
+      });
+    this.states = Object.fromEntries(Object.keys(CHIPS).map((chip) => [chip, found(chip)]));
+    this.first = new Derived(store, {
+      key: (view) => (ofQuestion(view) && this.before ? JSON.stringify([view.scene, view.choice, this.before]) : null),
+      ask: (view, scene, how) => design(view, scene, how, { values: this.before }),
+      persist,
+    });
+    this.around = new Derived(store, {
+      key: (view, scene) => (ofQuestion(view) && this.isShown(view) ? JSON.stringify(this.neighbours(view, scene)) : null),
+      ask: async (view, scene, { signal }) => {
+        const { dataset } = await carryOut(view.kind, this.neighbours(view, scene), { signal });
+        const values = [dataset.variables[view.output].data].flat(2).filter(Number.isFinite);
+        return values.length ? Math.min(...values) : null;
+      },
+      persist,
+    });
+    effect(() => this.draw());
   }
 
-  // Show what is wished for of another picture.
-  show(view, scene) {
-    this.scene = scene;
-    this.view = view;
-    this.wishes.show(view, scene);
-    this.tellFirst();
-    this.forget();
-    this.abort?.abort(left());
+  chosen(view) {
+    return this.states?.[chipOf(view.best)]?.state;
   }
 
-  // The button that finds the best, and each level that it may keep below.
-  tellFirst() {
-    const levels = this.scene.outputs.filter(({ name, level }) => Number.isFinite(level) && name !== this.view.output);
-    const button = (text, onclick, more = {}) => element("button", { type: "button", onclick, ...more }, text);
-    refill(
-      this.first,
-      element(
-        "div",
-        { class: "buttons" },
-        button("Find the best", () => this.find(), { id: "find", class: "main" }),
-        ...levels.map(({ name, level, begins }) =>
-          button(`Without ${begins}`, () => this.keepBelow(name, level), { id: `below-${name}` }),
-        ),
-        button("Limits", () => {
-          this.host.scrollIntoView();
-          this.host.querySelector("h2").focus({ preventScroll: true });
-        }),
-      ),
-      this.said,
-    );
-    this.tellKept();
+  // The best design that is chosen, or null.
+  best(view) {
+    const state = this.chosen(view)?.value;
+    const designs = state?.status === "ready" ? state.value.filter(({ isThere }) => isThere) : [];
+    return designs.length === 1 ? designs[0] : null;
   }
 
-  // Which levels it keeps below. The buttons stay: one of them may just be pressed.
-  tellKept() {
-    for (const { name } of this.scene.outputs) {
-      const isKept = this.view.best.limits.some(({ output }) => output === name);
-      this.first.querySelector(`#below-${name}`)?.setAttribute("aria-pressed", String(isKept));
-    }
+  // Whether the design of the view is the best one.
+  isShown(view) {
+    const best = this.best(view);
+    return Boolean(best) && Object.entries(best.at).every(([name, value]) => Math.abs(view.values[name] - value) <= 1e-6 * Math.abs(value) + 1e-12);
   }
 
-  keepBelow(name, upper) {
-    const { best } = this.view;
-    const others = best.limits.filter(({ output }) => output !== name);
-    const isNew = others.length === best.limits.length;
-    const limits = isNew ? [...others, { output: name, lower: null, upper, absolute: false }] : others;
-    this.onwish({ ...best, limits, isFound: false });
-    return this.find();
-  }
-
-  // The view has changed, and its picture is the same or is being drawn.
-  follow(view) {
-    this.view = view;
-    this.wishes.follow(view);
-    this.tellKept();
-    this.grown();
-  }
-
-  units(name) {
-    return this.scene.parameters.find((one) => one.name === name)?.unit ?? "1";
+  neighbours(view, scene) {
+    const { at } = this.best(view);
+    const around = (name) => {
+      const { unit } = scene.parameters.find((one) => one.name === name);
+      const step = ASIDE[unit] ?? SHARE * Math.abs(at[name]);
+      return [at[name] - step, at[name], at[name] + step];
+    };
+    const names = [view.x.name, view.y?.name].filter(Boolean);
+    return studyWith(view, [view.output], { ...givenValues(view), ...view.best.given, ...Object.fromEntries(names.map((name) => [name, around(name)])) });
   }
 
   study() {
-    return bestStudy(this.view, this.scene);
+    return bestStudy(this.store.view.value, this.store.scene.value);
   }
 
-  forget() {
-    this.designs = [];
-    this.found = null;
-    if (this.front) this.beside.hidden = true;
+  // A view of the question is opened; with `isKept` its design is somebody's, and stays.
+  show(view, scene, isKept) {
+    this.scene = scene;
+    this.wishes.show(view, scene);
+    const names = [...Object.keys(view.values)];
+    if (!this.before || names.some((name) => !(name in this.before)) || this.sceneOf !== view.scene) this.before = { ...givenValues(view) };
+    this.sceneOf = view.scene;
+    this.isKept = isKept;
+  }
+
+  leave() {
+    this.before = null;
+    this.applied = null;
     this.front = null;
-    this.onmark([]);
-    fill(this.said);
-    fill(this.answer);
+    this.hosts.front.hidden = true;
+    cancelAnimationFrame(this.frame);
   }
 
-  // What was found is of other values than those that are shown now.
-  grown() {
-    if (!this.found || this.found === JSON.stringify(this.study())) return;
-    this.forget();
-    if (this.view.best.isFound) this.onwish({ ...this.view.best, isFound: false });
-    this.said.textContent = "The values changed after the best drive was found: search again.";
+  draw() {
+    const { view: seen, scene: known } = this.store;
+    const [view, scene] = [seen.value, known.value];
+    if (view?.question !== "drive" || !scene) return;
+    const states = Object.entries(this.states).filter(([chip]) => CHIPS[chip].fits(view, scene));
+    const all = states.map(([chip, { state }]) => [chip, state.value]);
+    const [first, around] = [this.first.state.value, this.around.state.value];
+    untracked(() => {
+      this.wishes.follow(view);
+      this.tellChips(view, scene, all);
+      this.take(view);
+      this.tellBest(view, scene, first, around);
+    });
   }
 
-  // `isShown` where the drive that is found becomes the design.
-  async find({ isShown = true } = {}) {
-    const study = this.study();
-    this.abort?.abort(left());
-    this.abort = new AbortController();
-    const { signal } = this.abort;
-    this.forget();
-    this.wishes.clear();
-    this.said.textContent = "Searching for the best drive ...";
-    try {
-      const tell = (job) => {
-        this.tellJob(job);
-        this.said.textContent = `${job.message} ${job.progress} %`;
-      };
-      const { dataset } = await this.persist(() => carryOut("optimise", study, { tell, signal }));
-      this.found = JSON.stringify(study);
-      this.grown(); // meanwhile
-      if (!this.found) return;
-      this.onwish({ ...this.view.best, isFound: true });
-      await this.tell(dataset, signal, isShown);
-    } catch (error) {
-      if (error.name === "AbortError") return;
-      if (!error.errors) throw error;
-      const rest = this.wishes.complain(error.errors);
-      const told = error.errors.length ? rest : [error.message];
-      fill(this.said, ...told.map((text) => element("p", { class: "wrong" }, text)));
-      if (!told.length) this.said.textContent = "Some inputs are invalid: correct those marked above.";
-    }
+  tellChips(view, scene, all) {
+    const unit = scene.outputs.find(({ name }) => name === view.output)?.unit ?? "1";
+    const chosen = chipOf(view.best);
+    const value = ({ status, value: found, job }) => {
+      if (status === "computing") return job ? `${job.progress} %` : "searching";
+      if (status !== "ready") return status === "failed" ? "no answer" : "";
+      const there = found.filter(({ isThere }) => isThere);
+      if (!there.length) return "nothing fits";
+      return there.length > 1 ? `${there.length} drives` : withUnit(there[0].values[view.output].value, unit, 3);
+    };
+    fill(
+      this.hosts.chips,
+      ...all.map(([chip, state]) =>
+        element(
+          "button",
+          { type: "button", class: "chip", id: `chip-${chip}`, "aria-pressed": String(chip === chosen), title: state.reason || null, onclick: () => this.choose(chip) },
+          element("b", {}, titleOf(chip, view)),
+          ` ${value(state)}`,
+        ),
+      ),
+      view.best.isFound ? null : element("button", { type: "button", class: "chip", id: "find", onclick: () => this.find() }, element("b", {}, "Find the best")),
+    );
   }
 
-  async tell(dataset, signal, isShown) {
-    const names = variablesOf(this.view);
-    const all = designsOf(dataset, names);
-    this.designs = all.filter(({ isThere }) => isThere);
-    if (!this.designs.length) {
-      this.said.textContent = `No best drive was found. ${statusTold(all[0]?.status)}`;
+  choose(chip) {
+    this.applied = null;
+    this.isKept = false;
+    const { view } = this.store;
+    this.setView({ best: { ...CHIPS[chip].wish(view.value.best), isFound: true } });
+  }
+
+  find() {
+    this.applied = null;
+    this.isKept = false;
+    this.setView({ best: { ...this.store.view.value.best, isFound: true } });
+  }
+
+  // Take the design that was found, once: the ring travels to it.
+  take(view) {
+    const state = this.chosen(view)?.value;
+    if (state?.status !== "ready" || state.of === this.applied) return;
+    this.applied = state.of;
+    const best = this.best(view);
+    const all = state.value.filter(({ isThere }) => isThere);
+    if (all.length > 1) this.tellFront(view, all);
+    else this.hosts.front.hidden = true;
+    if (!best || this.isKept) return;
+    const moved = Object.fromEntries(Object.entries(best.at).filter(([name]) => name in view.values));
+    queueMicrotask(() => {
+      const { value: now } = this.store.view;
+      if (now.question !== "drive" || this.chosen(now).value.of !== this.applied) return;
+      this.setView({ values: { ...now.values, ...moved } }, { isStep: false });
+      this.fly(now.values, moved);
+    });
+  }
+
+  // Let the ring travel from one design to another.
+  fly(from, to) {
+    const { x, y } = this.store.view.value;
+    cancelAnimationFrame(this.frame);
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches || !y) return;
+    const begun = performance.now();
+    const step = (now) => {
+      const share = Math.min(1, (now - begun) / FLIGHT);
+      const ease = share * share * (3 - 2 * share);
+      const at = (name) => from[name] + ease * ((to[name] ?? from[name]) - from[name]);
+      if (share >= 1) return this.mark(null, "chosen");
+      this.mark([{ x: at(x.name), y: at(y.name), text: "", isDragged: true }], "chosen");
+      this.frame = requestAnimationFrame(step);
+    };
+    this.frame = requestAnimationFrame(step);
+  }
+
+  tellBest(view, scene, first, around) {
+    const state = this.chosen(view).value;
+    const best = this.best(view);
+    const { before } = this;
+    const unitOf = (name) => [...scene.parameters, ...scene.outputs].find((one) => one.name === name)?.unit ?? "1";
+    if (!best) {
+      const all = state.status === "ready" ? state.value : [];
+      const text = all.length > 1 ? "" : all.length ? statusTold(all[0].status) : state.status === "failed" ? state.reason : view.best.isFound ? "Searching for the best drive." : "The values changed: search again.";
+      if (state.status === "failed") this.wishes.complain(state.errors ?? []);
+      const relax = all.length === 1 && view.best.limits.length ? element("button", { type: "button", onclick: () => this.setView({ best: { ...view.best, limits: [], isFound: true } }) }, "Search without the limits") : null;
+      if (!this.front || all.length < 2) fill(this.hosts.told, element("p", { role: "status" }, text), relax);
+      this.mark(this.front ? this.marks ?? [] : [], "best");
       return;
     }
-    if (this.designs.length > 1) this.tellFront(names);
-    else await this.tellOne(this.designs[0], signal, isShown);
-  }
-
-  markOf({ at }, text, more = {}) {
-    return { x: at[this.view.x.name], y: this.view.y ? at[this.view.y.name] : null, text, ...more };
-  }
-
-  async tellOne(design, signal, isShown) {
-    const { view, scene } = this;
-    const units = (name) => this.units(name);
-    const at = Object.entries(design.at).map(([name, value]) => `${words(name)} ${withUnit(value, units(name))}`);
-    const { value, unit } = design.values[view.output];
-    fill(
-      this.said,
-      element("strong", {}, `Best: ${at.join(", ")}`),
-      ` with ${words(view.output)} ${withUnit(value, unit)}. ${statusTold(design.status)}`,
-      view.best.kind === "pareto" ? ` There is no trade-off: the ${words(view.best.against)} is least here, too.` : "",
-    );
-    if (isShown && view.kind === "simulate") this.onchoose(design.at, { isStep: false });
-    const around = element("div", {}, element("p", { class: "unit" }, "Comparing neighbouring designs ..."));
-    fill(
-      this.answer,
-      designTold(design, scene, units, view.output),
-      element("button", { type: "button", onclick: () => this.onchoose(design.at) }, "Show this drive"),
-      element("h3", {}, "Distance from the limits"),
-      element("ul", {}, ...marginsTold(design, scene).map((text) => element("li", {}, text))),
-      ratesTold(design),
-      element("h3", {}, "Next to it"),
-      around,
-    );
-    this.onmark([this.markOf(design, "best")]);
-    const found = await this.persist(() => neighboursOf(view, design.at, this.steps(), { signal }));
-    fill(
-      around,
-      ...neighboursTold(view, found, units).map((text) => element("p", {}, text)),
-      neighboursDrawn(view, scene, found),
-    );
-    if (!view.band || view.band.name in design.at) return;
-    const band = await this.persist(() => bandOf(view, design.at, { signal }));
-    around.append(...bandTold(band, units(band.name)));
-  }
-
-  tellFront(names) {
-    const { view, scene, designs } = this;
-    const { against } = view.best;
-    const units = (name) => this.units(name);
-    const others = view.best.vary.map(({ name }) => words(name)).join(" and ");
-    this.said.textContent =
-      `${designs.length} drives: no other drive is better in both outputs. Point at a drive to see where it lies in the ` +
-      "picture; a click or Enter shows it." +
-      (others ? ` The picture holds for one value of ${others}: it is drawn again for the drive that you select.` : "");
-    const plots = [element("div", {}), element("div", {})];
-    this.beside.hidden = false;
-    fill(this.beside, element("h3", {}, "The trade-off"), plots[0]);
-    this.details = element("div", { class: "details" });
-    fill(
-      this.answer,
-      element("h3", {}, "All drives of the trade-off, side by side"),
-      element("p", { class: "unit" }, "Drag along an axis, or move its handles, to select the drives within that range."),
-      plots[1],
-      this.details,
-    );
-    const onpoint = (index) => this.look(index);
-    const onpick = (index) => this.onchoose(designs[index].at);
-    this.front = new Front(plots[0], { onpoint, onpick });
-    this.isBent = isBent(designs, view.output, against);
-    this.front.show(designs, { output: view.output, against, scene, names, units, isBent: this.isBent });
-    this.parallel = new Parallel(plots[1], { onpoint, onpick, onbrush: (out) => this.front.dim(out) });
-    const columns = [
-      ...names.map((name) => ({ name, unit: units(name), values: designs.map(({ at }) => at[name]) })),
-      ...[view.output, against].map((name) => ({
-        name,
-        unit: designs[0].values[name].unit,
-        values: designs.map(({ values }) => values[name].value),
-      })),
+    const mark = (values, text) => ({ x: values[view.x.name], y: view.y ? values[view.y.name] : null, text });
+    const valueBefore = first.status === "ready" ? valueOf(first.value.dataset, view.output) : null;
+    const told = (value, unit) => (Number.isFinite(value) ? number(value * shown(unit)[0], 3) : "–");
+    const isAt = this.isShown(view);
+    const marks = [];
+    if (before && view.x.name in before) marks.push({ ...mark({ ...view.values, ...before }, `before ${told(valueBefore, unitOf(view.output))}`), isEnd: true, to: best.at });
+    if (!isAt) marks.push(mark(best.at, `best ${told(best.values[view.output].value, unitOf(view.output))}`));
+    this.mark(marks, "best");
+    const names = [...new Set([...Object.keys(best.at), ...["frequency"].filter((name) => name in view.values)])];
+    const [outputs, values] = [TOLD.filter((name) => name in best.values || name === view.output), { ...view.values, ...best.at }];
+    const rows = [
+      ...names.map((name) => [`${nameOf(name)}`, unitOf(name), before?.[name] ?? view.own?.[name], values[name]]),
+      ...outputs.map((name) => [capital(words(name)), unitOf(name), first.status === "ready" ? valueOf(first.value.dataset, name) : NaN, best.values[name]?.value]),
     ];
-    this.parallel.show(designs, columns, scene);
-    this.look(Math.max(0, designs.findIndex(({ isKnee }) => isKnee)));
-  }
-
-  // One drive of the trade-off is looked at: in all pictures.
-  look(index) {
-    if (!this.front || this.front.at === index) return;
-    const { designs } = this;
-    this.front.highlight(index);
-    this.parallel.highlight(index);
+    const held = [...best.ends.map(({ name }) => `${nameOf(name)} is at its bound of ${withUnit(best.at[name], unitOf(name), 3)}.`), ...marginsTold(best, scene)];
+    const [axis, other] = [view.x, view.y].map((one) => one && (ASIDE[unitOf(one.name)] ? `${ASIDE[unitOf(one.name)]}° of ${nameOf(one.name).toLowerCase()}` : `5 % less or more ${words(one.name)}`));
+    if (around.status === "ready" && Number.isFinite(around.value)) held.push(`With ${axis}${other ? `, or ${other}` : ""}, at least ${withUnit(around.value, unitOf(view.output), 3)} remain.`);
+    const angles = before && [view.x, view.y].filter(Boolean).map(({ name }) => withUnit(before[name], unitOf(name), 3)).join(", ");
     fill(
-      this.details,
-      element("h3", {}, "Distance from the limits"),
-      element("ul", {}, ...marginsTold(designs[index], this.scene).map((text) => element("li", {}, text))),
+      this.hosts.told,
+      element(
+        "table",
+        { class: "before" },
+        element("thead", {}, element("tr", {}, element("td"), element("th", { scope: "col" }, "before"), element("th", { scope: "col" }, "best"))),
+        element("tbody", {}, ...rows.map(([name, unit, one, two]) => element("tr", {}, element("th", { scope: "row" }, `${name}${shown(unit)[1] ? `, ${shown(unit)[1]}` : ""}`), element("td", {}, told(one, unit)), element("td", {}, element("b", {}, told(two, unit)))))),
+      ),
+      element("h3", {}, "What holds it back?"),
+      element("p", {}, `${statusTold(best.status)} ${held.join(" ")}`),
+      ratesTold(best),
+      element(
+        "div",
+        { class: "buttons" },
+        before && isAt ? element("button", { type: "button", id: "back", onclick: () => this.setView({ values: { ...view.values, ...before } }) }, `Go back to ${angles}`) : null,
+        isAt ? null : element("button", { type: "button", id: "show-best", onclick: () => this.setView({ values: { ...view.values, ...Object.fromEntries(Object.entries(best.at).filter(([name]) => name in view.values)) } }) }, "Show the best"),
+        before ? element("button", { type: "button", id: "compare", onclick: () => this.pin([{ ...view.values, ...before }, { ...view.values, ...best.at }]) }, "Compare both") : null,
+      ),
     );
-    this.onmark([
-      ...designs.map((design) => this.markOf(design, "", { regime: design.regime.name, isSmall: true })),
-      this.markOf(designs[index], designs[index].isKnee && this.isBent ? "knee" : "chosen"),
-    ]);
   }
 
-  // A point of the picture is looked at: the drive of the trade-off that lies near it.
-  pointed({ x, y }) {
-    const { view, designs } = this;
-    if (!this.front || this.host.hidden) return;
-    const axes = [[view.x, x], [view.y, y]].filter(([axis]) => axis);
-    const distances = designs.map(({ at }) =>
-      Math.hypot(...axes.map(([axis, value]) => (at[axis.name] - value) / (axis.to - axis.from))),
-    );
-    const least = Math.min(...distances);
-    if (least < NEAR) this.look(distances.indexOf(least));
+  // How much faster than before, for the answer; "" where that is not known.
+  gain(view, value) {
+    const first = this.first.state.value;
+    const before = first.status === "ready" ? valueOf(first.value.dataset, view.output) : null;
+    if (!(before > 0) || !(value > 0) || !this.isShown(view)) return "";
+    const times = value / before;
+    return times > 1.05 ? `, ${number(times, times < 10 ? 2 : 3)} times as fast` : "";
+  }
+
+  tellFront(view, designs) {
+    const { scene } = this;
+    const { against } = view.best;
+    const names = variablesOf(view);
+    const units = (name) => scene.parameters.find((one) => one.name === name)?.unit ?? "1";
+    const host = element("div", {});
+    const bent = isBent(designs, view.output, against);
+    const take = (index) => this.setView({ values: { ...this.store.view.value.values, ...Object.fromEntries(Object.entries(designs[index].at).filter(([name]) => name in view.values)) } });
+    const look = (index) => {
+      if (this.front.at === index) return;
+      this.front.highlight(index);
+      this.marks = designs.map(({ at, regime }, i) => ({ x: at[view.x.name], y: view.y ? at[view.y.name] : null, text: i === index ? (designs[i].isKnee && bent ? "knee" : "chosen") : "", regime: regime.name, isSmall: i !== index }));
+      this.mark(this.marks, "best");
+      fill(this.hosts.told, element("h3", {}, "What holds it back?"), element("p", {}, marginsTold(designs[index], scene).join(" ")));
+    };
+    this.hosts.front.hidden = false;
+    fill(this.hosts.front, element("h3", {}, "The trade-off"), element("p", { class: "pale" }, `${designs.length} drives: no other drive is better in both outputs. A click or Enter shows one.`), host);
+    this.front = new Front(host, { onpoint: look, onpick: take });
+    this.front.show(designs, { output: view.output, against, scene, names, units, isBent: bent });
+    look(Math.max(0, designs.findIndex(({ isKnee }) => isKnee)));
   }
 }

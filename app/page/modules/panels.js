@@ -3,14 +3,15 @@
 
 import { MODES, PARTS, cycleOf } from "./course.js";
 import { drawn, fill } from "./elements.js";
-import { beside, capital, number, shown } from "./words.js";
+import { capital, number, shown } from "./words.js";
 
-const PANEL = 78; // px
-const CURVE = 46; // px, of its height
+const PANEL = 88; // px
+const CURVE = 60; // px, of its height
 const OF_ROW = 2.5; // times as high: there is one
 const TITLE = 20; // px, above the bars of a row
 const BAR = 14; // px, for the bar of two neighbours
-const LEFT = 62; // px
+const LEFT = 44; // px
+const PHASES = 30; // px, of what the part does, above the curves
 const RIGHT = 8; // px
 const LEAST = 280; // px
 const STEP = 0.01; // of a cycle
@@ -26,6 +27,7 @@ export class Panels {
       "aria-label": "Moment of the motion",
       "aria-valuemin": "0",
       "aria-valuemax": "100",
+      "aria-valuenow": "0",
     });
     this.svg.addEventListener("pointerdown", (event) => {
       this.svg.setPointerCapture(event.pointerId);
@@ -61,20 +63,16 @@ export class Panels {
   }
 
   // What is drawn of a course: {name, unit, lines of {values, modes, stroke}}.
-  curves({ along, height, wall, partVelocity, trackVelocity, modes, row, unit }) {
+  curves({ along, height, wall, modes, row, unit }) {
     if (row) {
       const lines = row.ahead.map((values, i) => ({ values, stroke: PARTS[i % PARTS.length] }));
-      return [{ name: "each part's position, less the mean travel of the rear part", unit: "m", lines }];
+      return [{ name: "ahead of the mean travel", unit: "m", lines }];
     }
     const found = [
       { name: "position on the track", unit, lines: [{ values: along, modes }] },
       { name: "height above the floor", unit, lines: [{ values: height, modes }] },
     ];
     if (wall) found.push({ name: "distance from the wall", unit, lines: [{ values: wall, modes }] });
-    if (partVelocity) {
-      const lines = [{ values: trackVelocity, modes: null }, { values: partVelocity, modes }];
-      found.push({ name: "velocity of part and track (thin)", unit: "m s-1", lines });
-    }
     return found;
   }
 
@@ -85,20 +83,38 @@ export class Panels {
     this.tall = course.row ? OF_ROW : 1;
     const bars = course.row ? TITLE + BAR * course.row.closed.length : 0;
     const curves = this.tall * PANEL * panels.length;
-    const height = curves + bars + 26;
+    const top = course.row ? 0 : PHASES;
+    const height = top + curves + bars + 30;
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${height}`);
-    const parts = panels.flatMap((panel, place) => this.panel(panel, place * PANEL));
+    const parts = panels.flatMap((panel, place) => this.panel(panel, top + place * PANEL));
+    if (top) parts.push(...this.phases(course));
     if (bars) parts.push(...this.touching(course, curves));
-    this.now = drawn("line", { y1: 16, y2: height - 20, class: "now" });
-    this.knob = drawn("circle", { cy: height - 20, r: 6, class: "knob" });
-    const told = `time over one cycle of ${number(1000 * cycleOf(course), 3)} ms`;
-    parts.push(this.now, this.knob, drawn("text", { x: this.width - RIGHT, y: height - 3, "text-anchor": "end" }, told));
+    this.now = drawn("line", { y1: 0, y2: height - 22, class: "now" });
+    this.knob = drawn("circle", { cy: height - 13, r: 9, class: "knob" });
+    this.told = drawn("text", { y: height - 8 }, "0 ms");
+    parts.push(drawn("text", { x: this.width - RIGHT, y: height - 8, "text-anchor": "end" }, `${number(1000 * cycleOf(course), 3)} ms`), this.now, this.knob, this.told);
     fill(this.svg, ...parts);
   }
 
   across(time) {
     const { times } = this.course;
     return LEFT + ((time - times[0]) / cycleOf(this.course)) * (this.width - LEFT - RIGHT);
+  }
+
+  // What the part does when, as a bar with words where they have room.
+  phases({ times, modes }) {
+    const made = [];
+    let from = 0;
+    for (let i = 1; i <= modes.length; i++) {
+      if (i < modes.length && modes[i] === modes[from]) continue;
+      const [look, text] = MODES[modes[from]] ?? MODES.unknown;
+      const [x, end] = [this.across(times[from]), this.across(times[Math.min(i, times.length - 1)])];
+      made.push(drawn("rect", { x, y: 0, width: Math.max(0, end - x), height: 20, class: `phase ${look}` }));
+      const said = text.replace("slides ", "");
+      if (end - x > 8 * said.length + 6) made.push(drawn("text", { x: (x + end) / 2, y: 14.5, "text-anchor": "middle", class: "on" }, said));
+      from = i;
+    }
+    return made;
   }
 
   panel({ name, unit, lines }, above) {
@@ -110,10 +126,10 @@ export class Panels {
     const size = factor * Math.max(Math.abs(low), Math.abs(high));
     const tall = this.tall * PANEL - (PANEL - CURVE);
     const up = (value) => top + tall - ((value - low) / (high - low || 1)) * tall;
-    const end = (value) => drawn("text", { x: LEFT - 6, y: up(value) + 4, "text-anchor": "end" }, beside(size, value * factor));
+    const end = (value) => drawn("text", { x: LEFT - 8, y: up(value) + 4, "text-anchor": "end" }, number(value * factor, 2, size));
     const zero = low < 0 && high > 0 ? [drawn("line", { x1: LEFT, x2: this.width - RIGHT, y1: up(0), y2: up(0), class: "level" })] : [];
     return [
-      drawn("text", { x: LEFT, y: top - 6, class: "label" }, `${capital(name)} (${unitShown})`),
+      drawn("text", { x: LEFT, y: top - 6, class: "pale" }, `${capital(name)}, ${unitShown}`),
       ...zero,
       end(high),
       end(low),
@@ -144,7 +160,7 @@ export class Panels {
     const at = (k) => `${this.across(times[k]).toFixed(1)},${up(values[k]).toFixed(1)}`;
     if (!modes) {
       const points = values.map((_, k) => at(k)).join(" ");
-      return [drawn("polyline", own ? { points, class: "course", stroke: own } : { points, class: "track" })];
+      return [drawn("polyline", own ? { points, class: "course own", stroke: own } : { points, class: "track" })];
     }
     const parts = [];
     let from = 0;
@@ -152,8 +168,8 @@ export class Panels {
       if (i < values.length && modes[i] === modes[from]) continue;
       const points = [];
       for (let k = from; k <= Math.min(i, values.length - 1); k++) points.push(at(k));
-      const [stroke] = MODES[modes[from]] ?? MODES.unknown;
-      parts.push(drawn("polyline", { points: points.join(" "), stroke, class: "course" }));
+      const [look] = MODES[modes[from]] ?? MODES.unknown;
+      parts.push(drawn("polyline", { points: points.join(" "), class: `course ${look}` }));
       from = i;
     }
     return parts;
@@ -166,6 +182,8 @@ export class Panels {
     this.now.setAttribute("x1", x);
     this.now.setAttribute("x2", x);
     this.knob.setAttribute("cx", x);
+    this.told.setAttribute("x", Math.min(x + 14, this.width - 100));
+    this.told.textContent = `${number(1000 * time, 2)} ms`;
   }
 
   // The same for screen readers, which do not want to hear of each frame.

@@ -1,9 +1,9 @@
 // Designs that are pinned, beside the one at the chosen point: their values and what a part does there.
 
-import { designAt, valuesAt } from "./computed.js";
+import { design, flagOf, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { Refusal } from "./service.js";
-import { MAX_PINS } from "./view.js";
+import { MAX_PINS, givenValues } from "./view.js";
 import { capital, label, number, shown, words } from "./words.js";
 
 export const LETTERS = ["A", "B", "C", "D"];
@@ -11,24 +11,28 @@ const TOLD = ["conveying_velocity", "hop_height", "throw_number"];
 
 export class Pins {
   // `onpins(pins)` hears of other pins, `onshow(values)` of one that is to be the design.
-  constructor(host, { onpins, onshow }) {
+  constructor(host, { onpins, onshow, persist }) {
     this.host = host;
     this.onpins = onpins;
+    this.persist = persist;
     this.onshow = onshow;
     this.known = new Map(); // study as text -> promise of what a part does there
   }
 
-  pin(view) {
+  // Keep designs, each once, the last ones where there are too many.
+  pin(view, designs = [view.values]) {
+    const told = (values) => JSON.stringify(Object.entries(values).sort());
     const pins = view.pins ?? [];
-    if (pins.length < MAX_PINS) this.onpins([...pins, { ...view.values, ...valuesAt(view, view.point) }]);
+    const added = designs.filter((one) => !pins.some((pin) => told(pin) === told(one)));
+    this.onpins([...pins, ...added.map((one) => ({ ...one }))].slice(0, MAX_PINS));
   }
 
   async show(view, scene) {
     const pins = view.pins ?? [];
     this.shown = view;
-    this.host.hidden = !pins.length || !view.point;
+    this.host.hidden = !pins.length;
     if (this.host.hidden) return;
-    const designs = [...pins, { ...view.values, ...valuesAt(view, view.point) }];
+    const designs = [...pins, view.values];
     const found = await Promise.all(designs.map((values) => this.done(view, scene, values)));
     if (this.shown === view) this.draw(view, scene, designs, found);
   }
@@ -37,7 +41,8 @@ export class Pins {
   done(view, scene, values) {
     const text = JSON.stringify([view.scene, view.kind, view.choice, values]);
     if (!this.known.has(text)) {
-      const asked = designAt(view, scene, values).catch((error) => {
+      const own = givenValues({ ...view, values });
+      const asked = this.persist(() => design(view, scene, {}, { values: own })).catch((error) => {
         this.known.delete(text);
         if (error instanceof Refusal) return null;
         throw error;
@@ -70,7 +75,7 @@ export class Pins {
       return element("tr", {}, element("th", { scope: "row" }, label(name, unit)), ...told.map((text) => element("td", {}, text)));
     };
     const differs = ({ name }) => new Set(designs.map((values) => values[name])).size > 1;
-    const outputs = scene.outputs.filter(({ name }) => TOLD.includes(name));
+    const outputs = scene.outputs.filter(({ name }) => TOLD.includes(name) || name === view.output);
     fill(
       this.host,
       element("h2", {}, "Designs side by side"),
@@ -84,12 +89,12 @@ export class Pins {
           element(
             "tbody",
             {},
-            ...outputs.map(({ name, unit }) => row(name, unit, found.map((one) => one?.[name] ?? NaN))),
+            ...outputs.map(({ name, unit }) => row(name, unit, found.map((one) => valueOf(one?.dataset, name) ?? NaN))),
             element(
               "tr",
               {},
               element("th", { scope: "row" }, "What it does"),
-              ...found.map((one) => element("td", {}, one ? capital(words(one.regime)) : "Not computed")),
+              ...found.map((one) => element("td", {}, one ? capital(words(flagOf(one.dataset))) : "Not computed")),
             ),
             ...scene.parameters.filter(differs).map(({ name, unit }) => row(name, unit, designs.map((values) => values[name]))),
           ),

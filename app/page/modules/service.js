@@ -90,6 +90,12 @@ export async function remove(path) {
   await ask(path, { method: "DELETE" });
 }
 
+// The same of a job as the page goes away, when nobody waits for a reply.
+export function abandon(jobID) {
+  const headers = key.get() ? { Authorization: `Bearer ${key.get()}` } : {};
+  fetch(address(`/jobs/${jobID}`), { method: "DELETE", headers, keepalive: true }).catch(() => {});
+}
+
 export async function file(path, accept) {
   const reply = await ask(path, { headers: accept ? { Accept: accept } : {} });
   return reply.blob();
@@ -161,8 +167,7 @@ async function posted(path, study, { tell, signal }) {
   }
 }
 
-// Why nobody waits any more: reasons of a signal.
-export const cancelled = () => new DOMException("The computation was cancelled.", "AbortError");
+// Why nobody waits any more: the reason of a signal.
 export const left = () => new DOMException("The request was cancelled because another view was opened.", "AbortError");
 
 // Have the service end a job that nobody waits for any more, so that others have their turn; where it is

@@ -27,14 +27,13 @@ export function restated(view, set) {
     Object.fromEntries(Object.entries(values).map(([name, value]) => (name === from ? [to, factor * value] : [name, value])));
   const ranged = (axis) => (axis?.name === from ? { ...axis, name: to, from: factor * axis.from, to: factor * axis.to } : axis);
   const across = view.x.name === from ? factor : 1;
-  const up = view.y?.name === from ? factor : 1;
-  const { point, band, pins, runs, best } = view;
+  const { band, pins, runs, best, begun } = view;
   return {
     set,
     values: named(view.values),
     x: ranged(view.x),
     y: ranged(view.y),
-    ...(point ? { point: { x: across * point.x, y: point.y === null ? null : up * point.y } } : {}),
+    ...(begun ? { begun: named(begun) } : {}),
     ...(band ? { band: { ...band, name: band.name === from ? to : band.name } } : {}),
     ...(pins ? { pins: pins.map(named) } : {}),
     ...(runs ? { runs: runs.map(([value, speed]) => [across * value, speed]) } : {}),

@@ -10,11 +10,10 @@ const MAX_CHARACTERS = 4000;
 
 const MAX_RUNS = 50;
 export const MAX_PINS = 4;
-export const KINDS = ["simulate", "sweep"];
+const KINDS = ["simulate", "sweep"];
 
 /**
  * @typedef {{name: string, from: number, to: number}} Axis
- * @typedef {{x: number, y: number | null}} Point
  * @typedef {{name: string, share: number}} Band
  *
  * What is shown.
@@ -27,10 +26,12 @@ export const KINDS = ["simulate", "sweep"];
  * @property {string} output
  * @property {Axis} x
  * @property {Axis | null} y null where lines are drawn
- * @property {Record<string, number>} values of what is no axis, in units of the service
+ * @property {Record<string, number>} values of all parameters, in units of the service
+ * @property {Record<string, number>} [begun] values that its question begins with
  * @property {Record<string, number>} [own] values that the service has by itself
  * @property {Band | null} [band] what is not known exactly
- * @property {Point | null} [point] whose motion is shown
+ * @property {string} [part] by its name in `parts.js`, as it is drawn
+ * @property {string} [pair] of materials whose published friction was taken
  * @property {number[][]} [runs] of [value across, measured speed]
  * @property {Record<string, number>[]} [pins] designs
  * @property {{name: string, drive: object}} [recording] of a drive, which is in no link
@@ -46,8 +47,15 @@ export function frozen(value) {
 
 // What is drawn of a view, as text: two views with the same have the same picture.
 /** @param {any} view */
-export function pictureOf({ kind, scene, choice, set, output, x, y, values, band }) {
-  return toLink({ question: "", kind, scene, choice, set, output, x, y, values, band });
+export function pictureOf({ kind, scene, choice, set, recording, output, x, y, values, band, question }) {
+  const fixed = Object.entries(values).filter(([name]) => name !== x.name && name !== y?.name);
+  const told = toLink({ question: "", kind, scene, choice, set, output, x, y, values: Object.fromEntries(fixed), band: question === "uncertain" ? band : null });
+  return recording ? `${told}&recording=${recording.name}:${recording.drive.data.length}` : told;
+}
+
+// What a design does, as text: two views with the same have the same answer.
+export function designOf({ kind, scene, choice, set, recording, output, values, band }) {
+  return pictureOf({ kind, scene, choice, set, recording, output, x: { name: "" }, y: null, values, band, question: "uncertain" });
 }
 
 /** @param {View} view */
@@ -68,7 +76,7 @@ export function toLink(view) {
   if (view.band) query.set("band", `${view.band.name}:${view.band.share}`);
   if (view.set) query.set("set", view.set);
   if (view.figure) query.set("figure", view.figure);
-  if (view.point) query.set("point", `${view.point.x}:${view.point.y ?? ""}`);
+  for (const name of ["part", "pair"]) if (view[name]) query.set(name, view[name]);
   if (view.runs) query.set("runs", view.runs.map((run) => run.join(":")).join(","));
   for (const pin of view.pins ?? []) {
     query.append("pin", Object.entries(pin).map(([name, value]) => `${name}:${value}`).join(","));
@@ -101,6 +109,8 @@ export function fromLink(hash) {
   one("choice");
   one("output");
   one("figure");
+  one("part");
+  one("pair");
   for (const place of ["x", "y"]) {
     const given = query.get(place);
     if (given === null) continue;
@@ -126,12 +136,12 @@ export function fromLink(hash) {
     if (Number(share) > 0 && Number(share) < 1) wanted.band = { name, share: Number(share) };
     else complaints.push("The link gives an uncertainty that is not between 0 and 1: the uncertainty is ignored.");
   }
-  const point = query.get("point");
-  if (point !== null) {
-    const [x, y = null] = point.split(":").map((part) => (part === "" ? null : Number(part)));
-    if (Number.isFinite(x) && (y === null || Number.isFinite(y))) wanted.point = { x, y };
-    else complaints.push("The link gives a point whose coordinates are not numbers: the point is ignored.");
-  }
+  // Links of before had the values of the axes as a point.
+  const point = query.get("point")?.split(":") ?? [];
+  ["x", "y"].forEach((place, i) => {
+    const value = Number(point[i] || NaN);
+    if (wanted[place] && Number.isFinite(value)) wanted.values[wanted[place].name] ??= value;
+  });
   const runs = query.get("runs");
   if (runs !== null) {
     const read = runs.split(",").slice(0, MAX_RUNS).map((run) => run.split(":").map((part) => (part === "" ? NaN : Number(part))));
@@ -163,18 +173,20 @@ export function usual(parameter) {
   const typical = parameter.example ?? parameter.default ?? 1;
   const lower = parameter.lower ?? -Infinity;
   const upper = parameter.upper ?? Infinity;
+  if (parameter.name === "gamma") return [-10, 10];
   if (parameter.unit === "degree") return [Math.max(lower, 0), Math.min(upper, 60)];
   if (typical === 0) return [Math.max(lower, 0), Math.min(upper, 1)];
   return [Math.max(lower, 0.2 * typical), Math.min(upper, 2 * typical)].sort((a, b) => a - b);
 }
 
-// A sentence about a value outside of what is usual, else "". What a parameter is by itself is no cause
-// for a warning.
-export function unusual(parameter, value) {
-  if (value === parameter.default) return "";
+// A sentence about a value outside of what is usual, else "". What a parameter is by itself, or its question
+// begins with, is no cause for a warning.
+export function unusual(parameter, value, begun = undefined) {
+  if (value === parameter.default || value === begun) return "";
   const [low, high] = usual(parameter);
   if (value >= low && value <= high) return "";
-  return `Outside the usual ${withUnit(low, parameter.unit)} to ${withUnit(high, parameter.unit)}.`;
+  const where = value < low ? "Below" : "Above";
+  return `${where} the usual ${withUnit(low, parameter.unit)} to ${withUnit(high, parameter.unit)}.`;
 }
 
 export function typical(parameter) {
@@ -186,6 +198,15 @@ export function typical(parameter) {
 export function givenValues(view) {
   const isOwn = ([name, value]) => view.own?.[name] === value;
   return Object.fromEntries(Object.entries(view.values).filter((one) => !isOwn(one)));
+}
+
+// The names that a view gives values, and those that these stand for.
+export function givenNames(view, scene) {
+  const names = new Set(Object.keys(view.values));
+  for (const { name, instead_of: instead } of scene.parameters) {
+    if (names.has(name)) for (const one of instead ?? []) names.add(one);
+  }
+  return names;
 }
 
 // Names that replace each other, such as one friction and two: those that are shown.
@@ -215,15 +236,19 @@ export function shownParameters(scene, output, given = {}) {
   return scene.parameters.filter((parameter) => chosen.has(parameter.name) && isSet(parameter));
 }
 
+// What comes with a parameter that is added, and goes with it.
+export const COMPANIONS = { hold_down_force: ["mass"] };
+
 // Parameters that may be given, too.
 export function furtherParameters(scene, output, given) {
+  const needOthers = new Set(Object.values(COMPANIONS).flat());
   const shown = new Set(shownParameters(scene, output, given).map(({ name }) => name));
   const asked = scene.outputs.find((one) => one.name === output);
   const replaced = new Set(
     scene.parameters.filter(({ name }) => shown.has(name)).flatMap((one) => one.instead_of ?? []),
   );
   return scene.parameters.filter(
-    ({ name }) => asked?.asks.includes(name) && !shown.has(name) && !replaced.has(name),
+    ({ name }) => asked?.asks.includes(name) && !shown.has(name) && !replaced.has(name) && !needOthers.has(name),
   );
 }
 

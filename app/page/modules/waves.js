@@ -22,7 +22,7 @@ export class Waves {
       element(
         "div",
         { class: "runs" },
-        choiceField("wave", "Drive", CHOICES.map((name) => [name, SETS[name].title]), view.set, (set) => this.choose(set)),
+        choiceField("wave", "Shape of the drive", CHOICES.map((name) => [name, SETS[name].title]), view.set, (set) => this.choose(set)),
         view.set === "recorded" || this.isWaiting
           ? element("span", {}, element("label", { for: "recording" }, "CSV file of the recording: time [s], then accelerations [g] or [m/s^2]"), file)
           : null,

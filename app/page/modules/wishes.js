@@ -115,6 +115,10 @@ export class Wishes {
     });
   }
 
+  addLimit() {
+    document.getElementById("add-limit")?.click();
+  }
+
   // Bounds that outputs have to keep: a row each.
   limits(best) {
     const { view, scene } = this;

@@ -2,6 +2,7 @@
 
 const UNITS = {
   1: [1, ""],
+  share: [100, "%"],
   m: [1e3, "mm"],
   "m s-1": [1e3, "mm/s"],
   "m s-2": [1, "m/s²"],
@@ -35,13 +36,6 @@ export function number(value, digits = 4, size = 0) {
   return text.replace("-", "\u2212");
 }
 
-// As many decimals as three digits of `size` have: values of one picture, beside each other.
-export function beside(size, value) {
-  const decimals = Math.max(0, Math.min(9, 2 - Math.floor(Math.log10(Math.abs(size) || 1))));
-  const text = value.toFixed(decimals);
-  return Number(text) === 0 ? "0" : text.replace("-", "\u2212");
-}
-
 export function withUnit(value, unit, digits = 4) {
   const [factor, name] = shown(unit);
   const gap = name === "" || name === "°" ? "" : "\u00a0";
@@ -51,9 +45,12 @@ export function withUnit(value, unit, digits = 4) {
 }
 
 const LABELS = new Map();
+const SHARES = /share|_fraction$|^yield|^purity|^efficiency$/; // told in per cent
 
-// Note what the service calls its quantities.
+// Note what the service calls its quantities. A drive unit weighs kilograms, a part grams.
 export function learn(scene) {
+  UNITS.kg = /drive-unit$/.test(scene.name) ? [1, "kg"] : [1e3, "g"];
+  for (const output of scene.outputs) if (output.unit === "1" && SHARES.test(output.name)) output.unit = "share";
   for (const { name, label: text } of [...scene.parameters, ...scene.outputs]) {
     if (text) LABELS.set(name, text);
   }

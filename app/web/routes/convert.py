@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.responses import Response
 
 from vibrafeed.app.web.calculations import convert_study
 from vibrafeed.app.web.dependencies import BaseOf, Body, SettingsOf, refuse_repeated
 from vibrafeed.app.web.execution import PROCESSES, AnyStudy
-from vibrafeed.app.web.replies import component, problems
+from vibrafeed.app.web.replies import Router, component, problems
 from vibrafeed.app.web.shares import calculate_in_process, hold_slot
 
-router = APIRouter(tags=["processes"])
+router = Router(tags=["processes"])
 
 TEXT = "text/plain"
 

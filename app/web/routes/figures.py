@@ -6,37 +6,25 @@ import functools
 from pathlib import Path
 from typing import Any
 
-from fastapi import APIRouter
 from fastapi.responses import Response
-from pydantic import BaseModel, Field
 
 from vibrafeed import core
-from vibrafeed.app.web.replies import json_reply
+from vibrafeed.app.web.replies import Document, Router, json_reply
 from vibrafeed.core.intake import load_study
 
-router = APIRouter(tags=["scenes"])
+router = Router(tags=["scenes"])
 
 # At the top of the repository, and beside the core where vibrafeed is installed.
 FOLDER = Path(core.__file__).resolve().parent.parent / "configs" / "figures"
 
 
-class Figure(BaseModel):
-    """A figure of the thesis."""
-
-    name: str
-    title: str
-    notes: str = Field(
-        description="Assumptions behind the figure, what the thesis claims, and whether the "
-        "claim holds."
-    )
-    study: dict[str, Any] = Field(
-        description="The study that computes the figure, in the form that POST /sweeps takes."
-    )
-
-
-@router.get("/figures", summary="List the figures of the thesis", response_model=list[Figure])
+@router.get("/figures", summary="List the figures of the thesis", response_model=list[Document])
 def list_figures() -> Response:
-    """Return each figure that vibrafeed draws, in the order of the thesis, with its study."""
+    """Return each figure that vibrafeed draws, in the order of the thesis.
+
+    `study` computes the figure, in the form that POST /sweeps takes. `notes` holds the assumptions,
+    the claim of the thesis, and whether it holds.
+    """
     return json_reply(_figures())
 
 

@@ -7,19 +7,19 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from fastapi.responses import PlainTextResponse, Response
 from prometheus_client.exposition import CONTENT_TYPE_LATEST
 from pydantic import BaseModel, Field
 
 from vibrafeed import core
 from vibrafeed.app.web.dependencies import SettingsOf
-from vibrafeed.app.web.replies import json_reply, problem_document, problems
+from vibrafeed.app.web.replies import Router, json_reply, problem_document, problems
 from vibrafeed.core.errors import Problem
 
 logger = logging.getLogger("vibrafeed")
 
-router = APIRouter(tags=["service"])
+router = Router(tags=["service"])
 
 
 class Health(BaseModel):
@@ -40,7 +40,6 @@ class Readiness(BaseModel):
 
 
 @router.get("/healthz", summary="Alive", response_model=Health)
-@router.head("/healthz", include_in_schema=False)
 async def healthz() -> Response:
     """Return ``ok`` and the version; touches neither disk nor store."""
     return json_reply({"status": "ok", "version": core.__version__})
@@ -52,7 +51,6 @@ async def healthz() -> Response:
     response_model=Readiness,
     responses=problems(s503="The service is not ready; `errors` names the failing checks"),
 )
-@router.head("/readyz", include_in_schema=False)
 def readyz(request: Request, settings: SettingsOf) -> Response:
     """Return ``ready`` if the data directory can be written and every part is ready."""
     # Parts of the service append their own, which return None or a text that says what is wrong.

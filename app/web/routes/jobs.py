@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from datetime import datetime
 from typing import Annotated, Literal
-from urllib.parse import urlencode
 
 import orjson
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
+from starlette.datastructures import URL
 
-from vibrafeed.app.jobs.admission import Admission, is_readable
+from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.keys import NOBODY, Key, Keys
 from vibrafeed.app.jobs.ledger import ACTIVE, STATES, Wanted
 from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Body, Number, WhoOf, refuse_repeated
@@ -23,13 +25,14 @@ from vibrafeed.app.web.documents import (
     StatusInfo,
     status_info,
 )
+from vibrafeed.app.web.entry import owner_of
 from vibrafeed.app.web.execution import PROCESSES
 from vibrafeed.app.web.outcomes import find_job, no_such_job
-from vibrafeed.app.web.replies import json_reply, problems
+from vibrafeed.app.web.replies import Router, json_reply, problems, without_length
 from vibrafeed.app.web.shares import hold_slot
 from vibrafeed.app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 
-router = APIRouter(prefix="/jobs", tags=["jobs"])
+router = Router(prefix="/jobs", tags=["jobs"])
 
 State = Literal["accepted", "running", "successful", "failed", "dismissed"]
 assert set(STATES) == set(State.__args__)  # type: ignore[attr-defined]
@@ -67,15 +70,39 @@ def parse_interval(text: str | None) -> tuple[float | None, float | None]:
     return ends[0], ends[-1]
 
 
-def check_interval(text: str | None) -> str | None:
-    """Return the text unchanged if it is a time or an interval; else raise `ValueError`."""
-    parse_interval(text)
-    return text
+def checked(parse: Callable[[str | None], object]) -> AfterValidator:
+    """Return a validator that keeps the text of a query parameter if it can be parsed."""
+
+    def check(text: str | None) -> str | None:
+        """Return the text unchanged; raise the `ValueError` of `parse` if it is wrong."""
+        parse(text)
+        return text
+
+    return AfterValidator(check)
+
+
+def refuse_offset(text: str | None) -> None:
+    """Raise `ValueError`: lists go on by `after`."""
+    raise ValueError("offset has been replaced by after: follow the link `next`")
+
+
+def parse_cursor(text: str | None) -> tuple[float, str] | None:
+    """Return the time of entry and the identifier of the job after which a list goes on.
+
+    `text` is that of the link `next`. Raises `ValueError` if it is another.
+    """
+    if text is None:
+        return None
+    found = re.fullmatch(r"([0-9]{1,12}\.[0-9]{1,9}),([0-9a-f-]{1,40})", text, re.ASCII)
+    if found is None:
+        raise ValueError("the query parameter after is not that of a link `next`")
+    return float(found[1]), found[2]
 
 
 @router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"),
             dependencies=[refuse_repeated("processID", "status", "type")])  # fmt: skip
-def list_jobs(
+async def list_jobs(
+    request: Request,
     admission: AdmissionOf,
     base: BaseOf,
     who: WhoOf,
@@ -109,7 +136,7 @@ def list_jobs(
             description="Only jobs that were posted at this time (RFC 3339) or in this interval, "
             "as in `2026-01-01T00:00:00Z/..`.",
         ),
-        AfterValidator(check_interval),
+        checked(parse_interval),
     ] = None,
     least: Annotated[
         int | None,
@@ -130,31 +157,39 @@ def list_jobs(
         ),
     ] = None,
     limit: Annotated[int, Query(ge=1, le=MAX_LISTED)] = 100,
-    offset: Annotated[int, Query(ge=0, le=10**9)] = 0,
+    after: Annotated[
+        str | None,
+        Query(max_length=100, description="The place in the list, as the link `next` has it."),
+        checked(parse_cursor),
+    ] = None,
+    offset: Annotated[str | None, Query(include_in_schema=False), checked(refuse_offset)] = None,
 ) -> Response:
-    """Return jobs, the latest first."""
+    """Return jobs, the latest first; the link `next` leads to further ones."""
     seen_by = None if who.sees_all else who.name
     known = [name for name in process if name in PROCESSES]
     wanted = Wanted(tuple(known), tuple(status), parse_interval(created), (least, longest), seen_by)
-    jobs = []
-    if (known or not process) and (not kind or "process" in kind):
-        jobs = admission.ledger.jobs(wanted, limit=limit + 1, offset=offset)
-    wishes = {
-        "processID": process, "status": status, "type": kind, "datetime": created,
-        "minDuration": least, "maxDuration": longest, "limit": limit,
-    }  # fmt: skip
-    pages = {"self": offset}
-    if len(jobs) > limit:
-        pages["next"] = offset + limit
-    if offset:
-        pages["prev"] = max(0, offset - limit)
-    links = []
-    for rel, start in pages.items():
-        asked = {k: v for k, v in {**wishes, "offset": start}.items() if v is not None}
-        href = f"{base}/jobs?{urlencode(asked, doseq=True)}"
-        links.append({"href": href, "rel": rel, "type": "application/json"})
-    shown = [status_info(job, base, waits=admission.waits()) for job in jobs[:limit]]
-    return json_reply({"jobs": shown, "links": links})
+    here = URL(f"{base}/jobs").replace(query=request.url.query)
+
+    def link(rel: str, url: URL) -> dict[str, str]:
+        """Return a link to a part of the list."""
+        return {"href": str(url), "rel": rel, "type": "application/json"}
+
+    def read() -> Response:
+        """Return the reply; a thread reads the ledger."""
+        jobs = []
+        if (known or not process) and (not kind or "process" in kind):
+            jobs = admission.ledger.jobs(wanted, limit=limit + 1, after=parse_cursor(after))
+        links = [link("self", here)]
+        if len(jobs) > limit:
+            last = jobs[limit - 1]
+            further = here.include_query_params(after=f"{last.created!r},{last.id}")
+            links.append(link("next", further))
+        shown = [status_info(job, base, waits=admission.waits()) for job in jobs[:limit]]
+        return json_reply({"jobs": shown, "links": links})
+
+    # One list of an owner at a time: those of many jobs leave threads to others.
+    async with request.app.state.lists.slot(owner_of(request.scope)):
+        return await run_in_threadpool(read)
 
 
 @router.get("/{number}", summary="Show the status of a job", response_model=StatusInfo,
@@ -221,8 +256,10 @@ async def follow_job(
         found = keys.of_hash(who.hash)
         return found is None or not found.stands(time.time())
 
-    events = _events(admission, number, who, base, over)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    if request.method == "HEAD":
+        return without_length("text/event-stream", headers)
+    events = _events(admission, number, who, base, over)
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)
 
 
@@ -246,8 +283,8 @@ async def _events(
     """
     sent, at = None, time.monotonic()
     while not await over():
-        job = await admission.looks.job(number)
-        if job is None or not is_readable(job, who):
+        job = await asyncio.to_thread(admission.job, number, who)
+        if job is None:
             return
         if (job.state, job.done) != sent:
             sent, at = (job.state, job.done), time.monotonic()

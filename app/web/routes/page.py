@@ -13,6 +13,7 @@ from fastapi.staticfiles import StaticFiles
 for suffix, media in {
     ".css": "text/css",
     ".js": "text/javascript",
+    ".mjs": "text/javascript",
     ".json": "application/json",
     ".svg": "image/svg+xml",
     ".woff2": "font/woff2",
@@ -21,6 +22,8 @@ for suffix, media in {
 
 FILES = Path(__file__).resolve().parent.parent.parent / "page"
 NAME = "page"
+BUNDLE = FILES / "bundle.js"
+"""All modules in one file: wheels have it."""
 
 
 def index() -> Response:
@@ -33,6 +36,11 @@ def docs() -> Response:
     return _page("docs.html")
 
 
+def bundle() -> Response:
+    """Return all modules of the page in one file, under the name of their entry."""
+    return _page(BUNDLE.name)
+
+
 def _page(name: str) -> Response:
     """Return a file of the page, which browsers check for changes at each visit."""
     return FileResponse(FILES / name, headers={"Cache-Control": "no-cache"})
@@ -41,4 +49,7 @@ def _page(name: str) -> Response:
 def install(app: FastAPI) -> None:
     """Add the routes of the documentation page and the files of both pages."""
     app.add_api_route("/docs", docs, methods=["GET", "HEAD"], include_in_schema=False)
+    if BUNDLE.exists():
+        entry = f"/{NAME}/modules/main.js"
+        app.add_api_route(entry, bundle, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount(f"/{NAME}", StaticFiles(directory=FILES), name=NAME)

@@ -6,12 +6,13 @@ import asyncio
 import contextlib
 import sqlite3
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated, Any, cast
+from functools import cache
+from typing import Annotated
 
 import orjson
-from fastapi import APIRouter, Path, Request
+from fastapi import Path, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 from starlette.requests import ClientDisconnect
@@ -19,43 +20,39 @@ from starlette.requests import ClientDisconnect
 from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.keys import Key
 from vibrafeed.app.jobs.ledger import ACTIVE, Job
+from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.accept import preferred
-from vibrafeed.app.web.calculations import execute_at_once, price_study, read_study
-from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf, base_of
+from vibrafeed.app.web.calculations import execute_at_once, read_task
+from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf
 from vibrafeed.app.web.documents import (
     CONFORMANCE,
-    Conformance,
-    LandingPage,
-    ProcessDescription,
-    ProcessList,
     StatusInfo,
     description,
     process_list,
     status_info,
 )
-from vibrafeed.app.web.execution import ACCURACY, PROCESSES, Process
-from vibrafeed.app.web.made_once import MadeOnce
+from vibrafeed.app.web.execution import ACCURACY, PROCESSES, AnyStudy, ExecuteRequest
+from vibrafeed.app.web.openapi import StudySchema
 from vibrafeed.app.web.outcomes import results_reply
 from vibrafeed.app.web.prefer import Preferences, preferences
 from vibrafeed.app.web.problems import NoSuchProcessError
-from vibrafeed.app.web.replies import component, execution_name, json_reply, problems
+from vibrafeed.app.web.replies import Document, Router, component, json_reply, problems
 from vibrafeed.app.web.routes import page
-from vibrafeed.app.web.shares import calculate_in_process, slot_of, threads_of
+from vibrafeed.app.web.shares import POST, calculate_in_process, slot_of, threads_of
 from vibrafeed.core.errors import StoppedError
-from vibrafeed.core.plan.price import Price
 
-router = APIRouter(tags=["processes"])
+router = Router(tags=["processes"])
 
 REL = "http://www.opengis.net/def/rel/ogc/1.0/"
 JSON = "application/json"
 OPENAPI = "application/vnd.oai.openapi+json;version=3.1"
 # s between looks at a job that a client waits for: short jobs are soon told, long ones cost little
 LOOK, LONGEST_LOOK = 0.05, 0.5
+_NAME = Path(description="Identifier of a process.", max_length=100)
 
 
-@router.get("/", summary="Landing page", response_model=LandingPage)
-@router.head("/", include_in_schema=False)
+@router.get("/", summary="Landing page", response_model=Document)
 def landing_page(request: Request, base: BaseOf) -> Response:
     """Return links to what the service offers; to a browser, the page."""
     accept = ",".join(request.headers.getlist("accept"))
@@ -82,13 +79,13 @@ def landing_page(request: Request, base: BaseOf) -> Response:
     )
 
 
-@router.get("/conformance", summary="Conformance classes", response_model=Conformance)
+@router.get("/conformance", summary="Conformance classes", response_model=Document)
 def conformance() -> Response:
     """Return the classes of OGC API - Processes that the service conforms to."""
     return json_reply({"conformsTo": CONFORMANCE})
 
 
-@router.get("/processes", summary="List the processes", response_model=ProcessList)
+@router.get("/processes", summary="List the processes", response_model=Document)
 def list_processes(base: BaseOf) -> Response:
     """Return the processes: one for each kind of study."""
     return json_reply(process_list(base))
@@ -97,46 +94,86 @@ def list_processes(base: BaseOf) -> Response:
 @router.get(
     "/processes/{process}",
     summary="Describe a process",
-    response_model=ProcessDescription,
+    response_model=Document,
     responses=problems(s404="No such process", s422="The identifier is malformed"),
 )
-async def describe_process(
-    request: Request, process: Annotated[str, Path(max_length=100)], base: BaseOf
-) -> Response:
+def describe_process(process: Annotated[str, _NAME], base: BaseOf) -> Response:
     """Return a process with the schemas of what it takes and gives."""
     if process not in PROCESSES:
         raise _missing(process)
-    study = PROCESSES[process].study
-    made = cast(MadeOnce, request.app.state.made_once)
-    # Kept without its links: they hold the name by which the client has called the service.
-    schema, _ = await made(("/processes", process), lambda: orjson.dumps(study.model_json_schema()))
-    return json_reply(description(process, PROCESSES[process], base, schema))
+    return json_reply(description(process, PROCESSES[process], base, _schema_of(process)))
 
 
+@cache
+def _schema_of(process: str) -> bytes:
+    schema = PROCESSES[process].study.model_json_schema(schema_generator=StudySchema)
+    return orjson.dumps(schema)
+
+
+_PREFER = {
+    "name": "Prefer",
+    "in": "header",
+    "required": False,
+    "schema": {"type": "string"},
+    "description": "`respond-async` for a job in any case; `wait=10` to wait up to 10 seconds "
+    "for a job to end.",
+}
+_STUDY = {
+    "required": True,
+    "content": {
+        JSON: {
+            "schema": {"anyOf": [component(AnyStudy.__name__), component(ExecuteRequest.__name__)]},
+            "examples": {
+                name: {"summary": process.title, "value": process.example}
+                for name, process in PROCESSES.items()
+            },
+        }
+    },
+}
+
+
+@router.post(
+    "/processes/{process}/execution",
+    summary="Execute a process",
+    response_model=Document,
+    responses={
+        201: {
+            "model": StatusInfo,
+            "description": "A job was created",
+            "headers": {"Location": {"schema": {"type": "string"}}},
+        },
+        **problems(
+            s404="No such process",
+            s413="The body is too large",
+            s415="The body has a content coding",
+            s422="The study cannot be carried out, or is too large",
+            s429="The queue of jobs is full, or the key has as many jobs or requests as it may; "
+            "Retry-After says when to try again",
+            s500="The job that was waited for failed",
+            s507="There is no room for the result",
+        ),
+    },
+    openapi_extra={"requestBody": _STUDY, "parameters": [_PREFER]},
+)
 async def execute(
-    request: Request, name: str, body: bytes, settings: Settings, admission: Admission, who: Key
+    request: Request,
+    process: Annotated[str, _NAME],
+    body: Body,
+    settings: SettingsOf,
+    admission: AdmissionOf,
+    who: WhoOf,
+    base: BaseOf,
 ) -> Response:
-    """Carry out the study in a body at once, or as a job; return the reply.
+    """Carry out a study, or an execute request with the study under `inputs.study`.
 
-    It is 200 with the results of a study that has ended, or 201 with the status of its job. The
-    Prefer header says whether and how long the client waits.
-
-    Parameters
-    ----------
-    request : Request
-        The request.
-    name : str
-        The process, such as `sweep`.
-    body : bytes
-        The study or execute request as JSON.
-    settings, admission : Settings, Admission
-        The service's.
-    who : Key
-        The API key of the request.
+    A short study is answered with its dataset. A long study, and each study of `accuracy`, becomes
+    a job: the reply is 201 with the status of the job and its `Location`, or 200 with the results
+    if `Prefer: wait` was long enough.
     """
-    base = await base_of(request)
+    if process not in PROCESSES:
+        raise _missing(process)
     wishes = preferences(request.headers.getlist("prefer"))
-    begun = await _reply_or_job(request, name, body, settings, admission, who)
+    begun = await _reply_or_job(request, process, body, settings, admission, who)
     if isinstance(begun, Response):
         return begun
     job = begun
@@ -179,18 +216,19 @@ async def _reply_or_job(
         If the client has left and has not asked for a job; a job that was posted is dismissed.
     """
     wishes = preferences(request.headers.getlist("prefer"))
-    async with slot_of(request, len(body)):
-        made: bytes | Price | None
-        if name == ACCURACY or wishes.respond_async:
-            made = await _price(request, name, body, settings)
-        else:
-            made = await _dataset_in_time(request, name, body, settings, who)
-        if isinstance(made, bytes):
-            return Response(made, media_type=JSON)
-        job = await run_in_threadpool(_post, name, body, settings, admission, who, made)
-        if not wishes.respond_async:
-            await _dismiss_if_left(request, admission, job, who)
-        return job
+    task: bytes | Task
+    if name == ACCURACY or wishes.respond_async:
+        async with slot_of(request, len(body), POST):
+            task = await _task(request, name, body, settings, who)
+    else:
+        async with slot_of(request, len(body)):
+            task = await _dataset_in_time(request, name, body, settings, who)
+    if isinstance(task, bytes):
+        return Response(task, media_type=JSON)
+    job = await run_in_threadpool(admission.post, task, who)
+    if not wishes.respond_async:
+        await _dismiss_if_left(request, admission, job, who)
+    return job
 
 
 async def _dismiss_if_left(request: Request, admission: Admission, job: Job, who: Key) -> None:
@@ -202,8 +240,8 @@ async def _dismiss_if_left(request: Request, admission: Admission, job: Job, who
 
 async def _dataset_in_time(
     request: Request, name: str, body: bytes, settings: Settings, who: Key
-) -> bytes | Price | None:
-    """Compute a study for the reply to its request, or its price if that takes too long.
+) -> bytes | Task:
+    """Compute a study for the reply to its request, or read its task if that takes too long.
 
     It is computed in a process that is ended after `max_execution_seconds` and some grace.
 
@@ -222,8 +260,8 @@ async def _dataset_in_time(
 
     Returns
     -------
-    bytes, Price or None
-        The result as a JSON document; else the price, None if that took too long as well.
+    bytes or Task
+        The result as a JSON document; else the task of computing it.
 
     Raises
     ------
@@ -232,34 +270,20 @@ async def _dataset_in_time(
     """
     seconds = settings.max_execution_seconds + settings.grace_seconds
     try:
-        made = await calculate_in_process(
+        return await calculate_in_process(
             request, execute_at_once, name, body, settings, who.cells, threads_of(request),
             seconds=seconds,
         )  # fmt: skip
     except StoppedError:  # its process was ended, perhaps before the study was read
-        return await _price(request, name, body, settings)
-    # What compresses texts wants no view.
-    return made if isinstance(made, Price) else bytes(made)
+        return await _task(request, name, body, settings, who)
 
 
-async def _price(request: Request, name: str, body: bytes, settings: Settings) -> Price | None:
+async def _task(request: Request, name: str, body: bytes, settings: Settings, who: Key) -> Task:
     # On a busy machine the process may begin late.
     seconds = settings.max_execution_seconds + settings.grace_seconds
-    return await calculate_in_process(request, price_study, name, body, settings, seconds=seconds)
-
-
-def _post(
-    name: str, body: bytes, settings: Settings, admission: Admission, who: Key, price: Price | None
-) -> Job:
-    """Post the study in a body as a job and return the job.
-
-    `name` is the process, `who` the API key, `price` that of the study. Raises `StudyError` or
-    `LimitError` if the study cannot be carried out, and the errors of `Admission.post` if the job
-    is not accepted.
-    """
-    _, prepared = read_study(name, body, settings, price)
-    prepared.check_limits(cells=who.cells, bytes_=None)
-    return admission.post(prepared, name, who)
+    return await calculate_in_process(
+        request, read_task, name, body, settings, who.cells, seconds=seconds
+    )
 
 
 async def _wait_for_job(request: Request, admission: Admission, job: Job, seconds: float) -> Job:
@@ -289,7 +313,8 @@ async def _wait_for_job(request: Request, admission: Admission, job: Job, second
         with contextlib.suppress(
             OSError, sqlite3.OperationalError
         ):  # the client is to learn of its job
-            job = await admission.looks.job(job.id) or job
+            found = await asyncio.to_thread(admission.ledger.job, job.id)
+            job = found or job
     return job
 
 
@@ -302,78 +327,6 @@ def _applied_preferences(wishes: Preferences) -> str:
     if wishes.wait is not None:
         words.append(f"wait={wishes.wait}")
     return ", ".join(words)
-
-
-def _body(process: Process) -> dict[str, Any]:
-    """Return the OpenAPI request body of a process: its study, or an execute request.
-
-    The Prefer header is described along with it.
-    """
-    schemas = [component(process.study.__name__), component(execution_name(process.study))]
-    content = {"application/json": {"schema": {"anyOf": schemas}, "example": process.example}}
-    prefer = {
-        "name": "Prefer",
-        "in": "header",
-        "required": False,
-        "schema": {"type": "string"},
-        "description": "`respond-async` for a job in any case; `wait=10` to wait up to 10 seconds "
-        "for a job to end.",
-    }
-    return {"requestBody": {"required": True, "content": content}, "parameters": [prefer]}
-
-
-def _route(name: str) -> Callable[..., Awaitable[Response]]:
-    """Return the function of the route that executes a process; `name` is that of the process.
-
-    Each process, such as `sweep`, has a route of its own, with its own schema.
-    """
-
-    async def execution(
-        request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf
-    ) -> Response:
-        """Execute the process on the study in the body."""
-        return await execute(request, name, body, settings, admission, who)
-
-    return execution
-
-
-_SHORT = "A short study is answered with its dataset. A long study becomes a job"
-
-for _name, _process in PROCESSES.items():
-    router.add_api_route(
-        f"/processes/{_name}/execution",
-        _route(_name),
-        methods=["POST"],
-        name=f"execute_{_name}",
-        summary=_process.title,
-        description=f"{_process.description}\n\nThe body is the study itself, or an execute "
-        "request with the study under `inputs.study`. "
-        f"{'It becomes a job' if _name == ACCURACY else _SHORT}: the reply is 201 with the status "
-        "of the job and its `Location`, or 200 with the results if `Prefer: wait` was long enough.",
-        response_model=dict[str, Any],
-        responses={
-            201: {
-                "model": StatusInfo,
-                "description": "A job was created",
-                "headers": {"Location": {"schema": {"type": "string"}}},
-            },
-            **problems(
-                s413="The body is too large",
-                s422="The study cannot be carried out, or is too large",
-                s429="The queue of jobs is full, or the key has as many jobs or requests as it "
-                "may; Retry-After says when to try again",
-                s500="The job that was waited for failed",
-                s507="There is no room for the result",
-            ),
-        },
-        openapi_extra=_body(_process),
-    )
-
-
-@router.post("/processes/{process}/execution", include_in_schema=False)
-def execute_unknown(process: str) -> Response:
-    """Tell that there is no such process."""
-    raise _missing(process)
 
 
 def _missing(process: str) -> NoSuchProcessError:

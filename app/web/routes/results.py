@@ -8,7 +8,7 @@ from typing import Annotated
 
 import fastapi
 from anyio import to_thread
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
@@ -20,13 +20,19 @@ from vibrafeed.app.web.dependencies import AdmissionOf, BaseOf, Number, Settings
 from vibrafeed.app.web.documents import NETCDF_TYPE, Results, media_type_of
 from vibrafeed.app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
 from vibrafeed.app.web.outcomes import (
-    check_of,
-    error_for_missing_file,
+    check_file,
     find_job,
     manifest_of,
     results_reply,
 )
-from vibrafeed.app.web.replies import BINARY, OBJECT, cached_replies, problems, without_length
+from vibrafeed.app.web.replies import (
+    BINARY,
+    OBJECT,
+    Router,
+    cached_replies,
+    problems,
+    without_length,
+)
 from vibrafeed.app.web.routes.zarr import ZarrKey
 from vibrafeed.app.web.tables import (
     TABLES,
@@ -40,7 +46,7 @@ from vibrafeed.app.web.tables import (
 from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.dataset.read import read_netcdf
 
-router = APIRouter(prefix="/jobs", tags=["jobs"])
+router = Router(prefix="/jobs", tags=["jobs"])
 
 # What a group may have: nothing else of a request reaches the disk.
 _KEY = re.compile(r"(zarr\.json|[a-z][a-z0-9_]{0,79}/(zarr\.json|c(/[0-9]{1,12}){0,20}))")
@@ -61,7 +67,6 @@ NO_RESULT = problems(
     response_model=Results,
     responses=NO_RESULT,
 )
-@router.head("/{number}/results", include_in_schema=False)
 def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Response:
     """Return the address, the size and the computing time of the dataset."""
     return results_reply(admission, find_job(admission, number), base)
@@ -85,7 +90,6 @@ def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Respons
         **problems(s406="No format that Accept allows"),
     },
 )
-@router.head("/{number}/results/dataset", include_in_schema=False)
 async def get_dataset(
     request: Request,
     number: Number,
@@ -115,7 +119,7 @@ async def get_dataset(
         frame = await to_thread.run_sync(
             lambda: Frame.of(read_netcdf(path, most_rows=most), most=most), limiter=lane
         )
-        reply = await table_reply(request, frame, chosen, lane=lane)
+        reply = table_reply(frame, chosen, lane=lane)
         name = f"{path.parent.name[:12]}.{chosen}"
         reply.headers["Content-Disposition"] = f'attachment; filename="vibrafeed-{name}"'
         reply.headers.update({"ETag": etag, "Cache-Control": ASK_AGAIN})
@@ -133,8 +137,6 @@ def _stored_table(
     """
     job = find_job(admission, number)
     manifest = manifest_of(admission, job)
-    if isinstance(manifest, Response):
-        return manifest
     if ZARR in manifest.files:
         raise NotFoundError(
             "The result is a Zarr group, not a file: open the address of the group in "
@@ -145,20 +147,17 @@ def _stored_table(
         raise NotFoundError("The result is too large for JSON: download it as NetCDF.")
     digest = manifest.files[name]["sha256"]
     path = admission.store.folder(job.key) / name
-    check = check_of(admission, job, path)
+    check_file(admission, job, path, digest)
     if form in TABLES:
         etag = etag_of(digest, writer_version(form))
         known = not_modified(request, etag, ASK_AGAIN)
         if known is None and request.method == "HEAD":
             known = without_length(TABLES[form], {"ETag": etag, "Cache-Control": ASK_AGAIN})
-        if known is None:
-            check.look(path, digest)
         return known or (path, etag)
     return file_reply(
         request,
         path,
         digest=digest,
-        check=check,
         media_type=FORMS[form],
         filename=f"vibrafeed-{job.key[:12]}{'.nc' if form == 'netcdf' else '.json'}",
     )
@@ -177,7 +176,6 @@ def _stored_table(
         **NO_RESULT,
     },
 )
-@router.head("/{number}/results/zarr/{path:path}", include_in_schema=False)
 def get_group(request: Request, number: Number, path: ZarrKey, admission: AdmissionOf) -> Response:
     """Return a key of the Zarr v3 group of a sweep too large for one file.
 
@@ -187,8 +185,6 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
     """
     job = find_job(admission, number)
     manifest = None if job.state == "running" else manifest_of(admission, job)
-    if isinstance(manifest, Response):
-        return manifest
     if not _KEY.fullmatch(path):
         raise NotFoundError(
             f"'{path[:80]}' is not a key of a Zarr group. Open the address that ends "
@@ -196,9 +192,9 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
         )
     file = admission.store.in_group(job.key, path)
     digest = None if manifest is None else admission.store.digest(job.key, path, manifest)
-    if not file.is_file():
-        if digest is not None:
-            raise error_for_missing_file(admission, job, file)
+    if digest is not None:
+        check_file(admission, job, file, digest)
+    elif not file.is_file():
         raise NotFoundError(
             f"The Zarr group of this job has no key '{path[:80]}', or its values are "
             "not computed yet. The file zarr.json names the arrays."
@@ -210,7 +206,6 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
         # A chunk appears whole and never changes; the group's document does when it is complete.
         etag=etag_of(job.key, path, file.name),
         digest=digest,
-        check=check_of(admission, job, file),
         media_type="application/json" if is_document else "application/octet-stream",
         filename=path.rpartition("/")[2],
     )
@@ -227,7 +222,6 @@ def get_group(request: Request, number: Number, path: ZarrKey, admission: Admiss
         **NO_RESULT,
     },
 )
-@router.head("/{number}/results/files/{name}", include_in_schema=False)
 def get_file(
     request: Request,
     number: Number,
@@ -239,19 +233,17 @@ def get_file(
     """Return a page or a picture of an accuracy report, as named in the results of its job."""
     job = find_job(admission, number)
     manifest = manifest_of(admission, job)
-    if isinstance(manifest, Response):
-        return manifest
     # Only names that the manifest holds reach the disk.
     if name not in manifest.files or name == ZARR:
         raise NotFoundError(
             f"The job has no file '{name[:80]}'. GET /jobs/ID/results lists its files."
         )
-    file = admission.store.folder(job.key) / name
+    file, digest = admission.store.folder(job.key) / name, manifest.files[name]["sha256"]
+    check_file(admission, job, file, digest)
     return file_reply(
         request,
         file,
-        digest=manifest.files[name]["sha256"],
-        check=check_of(admission, job, file),
+        digest=digest,
         media_type=media_type_of(name),
         filename=name,
     )

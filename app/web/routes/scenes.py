@@ -2,35 +2,24 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Annotated
 
 import orjson
-from fastapi import APIRouter, Path, Query, Request
+from fastapi import Path, Query, Request
 from fastapi.responses import Response
-from pydantic import BaseModel
 
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.kept_texts import study_schema_text
-from vibrafeed.app.web.made_once import made_once
-from vibrafeed.app.web.replies import OBJECT, cached_replies, json_reply, problems
+from vibrafeed.app.web.downloads import made_document
+from vibrafeed.app.web.replies import OBJECT, Document, Router, cached_replies, json_reply, problems
 from vibrafeed.core.catalogue import describe, describe_all
 from vibrafeed.core.scenes import SCENES
 
-router = APIRouter(tags=["scenes"])
+router = Router(tags=["scenes"])
 
 
-class SceneLine(BaseModel):
-    """One scene in the list."""
-
-    name: str
-    title: str
-    source: str
-    variants: list[str]
-    default_variant: str
-    methods: list[str]
-
-
-@router.get("/scenes", summary="List the scenes", response_model=list[SceneLine])
+@router.get("/scenes", summary="List the scenes", response_model=list[Document])
 def list_scenes() -> Response:
     """Return one line for each scene: name, title, source, variants."""
     return json_reply(describe_all())
@@ -68,10 +57,8 @@ async def describe_scene(
     """Return parameters, outputs, units, equations, regimes and validity of a scene."""
     if name not in SCENES:
         raise NotFoundError(f"There is no scene '{name}'. GET /scenes lists them.")
-    return await made_once(
-        request,
-        ("/scenes", name, variant, method),
-        lambda: orjson.dumps(describe(name, variant, method=method)),
+    return await made_document(
+        request, lambda: orjson.dumps(describe(name, variant, method=method))
     )
 
 
@@ -83,9 +70,9 @@ async def describe_scene(
 )
 async def schema(request: Request) -> Response:
     """Return the JSON Schema of a study, as `vibrafeed scenes --schema` prints it."""
+    return await made_document(request, _schema)
 
-    def make() -> bytes:
-        """Return its text without line breaks."""
-        return orjson.dumps(orjson.loads(study_schema_text()))
 
-    return await made_once(request, "/schema", make)
+@cache
+def _schema() -> bytes:
+    return orjson.dumps(orjson.loads(study_schema_text()))  # without line breaks

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import asyncio
-import math
 from contextlib import nullcontext
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
 from anyio import to_thread
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
 from vibrafeed.app.jobs.admission import Admission
 from vibrafeed.app.jobs.keys import Key
 from vibrafeed.app.jobs.manifest import NETCDF
-from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.accept import form_for
-from vibrafeed.app.web.calculations import encode_slice, encode_slice_of
+from vibrafeed.app.web.calculations import (
+    describe_sweep,
+    encode_slice,
+    encode_slice_of,
+    read_sweep,
+)
 from vibrafeed.app.web.dependencies import (
     AdmissionOf,
     Body,
@@ -29,15 +31,14 @@ from vibrafeed.app.web.dependencies import (
     WhoOf,
     WriterOf,
     refuse_repeated,
-    settings_of,
-    store_of,
 )
 from vibrafeed.app.web.documents import NETCDF_TYPE
 from vibrafeed.app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
 from vibrafeed.app.web.execution import PROCESSES
-from vibrafeed.app.web.outgoing import reserve_bytes
 from vibrafeed.app.web.replies import (
     BINARY,
+    Document,
+    Router,
     cached_replies,
     component,
     json_reply,
@@ -45,6 +46,7 @@ from vibrafeed.app.web.replies import (
     without_length,
 )
 from vibrafeed.app.web.shares import (
+    POST,
     calculate_in_process,
     hold_slot,
     large_slot_of,
@@ -53,7 +55,7 @@ from vibrafeed.app.web.shares import (
     threads_of,
 )
 from vibrafeed.app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
-from vibrafeed.app.web.sweep_document import SweepDescription, description
+from vibrafeed.app.web.sweep_document import SweepDescription
 from vibrafeed.app.web.tables import (
     TABLES,
     SliceForm,
@@ -64,20 +66,15 @@ from vibrafeed.app.web.tables import (
     writer_version,
 )
 from vibrafeed.core.dataset.frame import Frame
-from vibrafeed.core.errors import LimitError
-from vibrafeed.core.intake import prepare_content, read_json
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.quantities import WORDS
 from vibrafeed.core.study import SweepStudy
-from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
 
-router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+router = Router(prefix="/sweeps", tags=["sweeps"])
 
 BINARY_TYPE = "application/octet-stream"
 FORMS = {"json": "application/json", "binary": BINARY_TYPE}
 LARGE = 100_000  # values of a slice; a larger one waits for a slot and a process of its own
-BYTES_A_VALUE = 24  # bytes of a slice's value in JSON, with its regime; fewer in binary
 STUDY_BODY = {
     "requestBody": {
         "required": True,
@@ -92,13 +89,18 @@ STUDY_BODY = {
 AXIS_VALUES = {
     "parameters": [
         {
-            "name": name,
+            "name": "at",
             "in": "query",
             "required": False,
-            "schema": {"type": "string", "maxLength": 200},
-            "description": f"Value at which the axis {name} is fixed; one of its grid values.",
+            "style": "form",
+            "explode": True,
+            "schema": {
+                "type": "object",
+                "additionalProperties": {"type": "string", "maxLength": 200},
+            },
+            "description": "`name=value` for each axis that is not in `axes`: one of its grid "
+            "values.",
         }
-        for name in (*PARAMETERS, *WORDS)
     ]
 }
 
@@ -117,25 +119,24 @@ AXIS_VALUES = {
         ),
     },
     openapi_extra=STUDY_BODY,
-    dependencies=[hold_slot()],
 )
-def post_sweep(
+async def post_sweep(
     request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf
 ) -> Response:
     """Check a study and keep it; equal studies share one identifier. Nothing is computed yet.
 
     A sweep may be far larger than what is computed as a whole: slices and Zarr read pieces of it.
     """
-    content = read_json(body)
-    sweep = prepare_content(content, "sweep")
-    _check_size(sweep, settings)
-    sweep.check_limits(cells=who.cells, bytes_=None)
-    key, is_new = admission.keep(sweep, who)
+    async with slot_of(request, len(body), POST):
+        key, text, document = await calculate_in_process(
+            request, read_sweep, body, settings, who.cells,
+            seconds=settings.max_execution_seconds + settings.grace_seconds,
+        )  # fmt: skip
+    is_new = await run_in_threadpool(admission.keep, key, text, who)
+    shared = await run_in_threadpool(_is_shared, admission, key, who)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
-        {**_describe_sweep(admission, key, sweep, who), "warnings": [*sweep.questions]},
-        201 if is_new else 200,
-        headers={"Location": location},
+        {**document, "shared": shared}, 201 if is_new else 200, headers={"Location": location}
     )
 
 
@@ -149,7 +150,6 @@ def post_sweep(
         s422="The identifier is malformed",
     ),
 )
-@router.head("/{key}", include_in_schema=False)
 def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
     return json_reply(_describe_sweep(admission, key, admission.store.sweep(key), who))
@@ -180,15 +180,18 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
     `key` is the sweep's identifier; `who` is the API key of the reader. An owner sees the sharing
     of its own record; all others that of any owner.
     """
+    return {**describe_sweep(key, sweep), "shared": _is_shared(admission, key, who)}
+
+
+def _is_shared(admission: Admission, key: str, who: Key) -> bool:
     is_own = admission.ownership.of(who.name, key) is not None and not who.sees_all
-    shared = admission.ownership.is_shared(who.name if is_own else None, key)
-    return description(key, sweep, shared=shared)
+    return admission.ownership.is_shared(who.name if is_own else None, key)
 
 
 @router.get(
     "/{key}/slice",
     summary="Read values of a sweep over one or two axes",
-    response_model=dict[str, Any],
+    response_model=Document,
     responses={
         **cached_replies("The slice", dict.fromkeys([BINARY_TYPE, *TABLES.values()], BINARY)),
         **problems(
@@ -196,13 +199,12 @@ def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -
             s406="No format that Accept allows",
             s409="The sweep is another version's: post it again",
             s422="The slice cannot be taken, or takes too long",
-            s503="Too much data waits to be sent, or the process that computed the slice was lost",
+            s503="The process that computed the slice was lost",
         ),
     },
     openapi_extra=AXIS_VALUES,
     dependencies=[refuse_repeated()],
 )
-@router.head("/{key}/slice", include_in_schema=False, dependencies=[refuse_repeated()])
 async def get_slice(
     request: Request,
     key: SweepKey,
@@ -227,90 +229,61 @@ async def get_slice(
 
     HEAD says whether the slice can be taken, and computes nothing.
     """
-    settings, store = await settings_of(request), await store_of(request)
+    state = request.app.state
     fixed = {
         name: value
         for name, value in request.query_params.multi_items()
         if name not in ("output", "axes", "format")
     }
     chosen = form or form_for(request, FORMS | tables_there(), missing=missing_packages())
-    wish = _Wish(output, axes.split(","), fixed, settings.max_slice_cells)
+    names, most = axes.split(","), state.settings.max_slice_cells
     written = writer_version(chosen) if chosen in TABLES else chosen
     words = [f"{name}={value}" for name, value in sorted(fixed.items())]
     etag = etag_of(key, np.__version__, written, output, axes, *words)
     reply = not_modified(request, etag, FOR_EVER)
-    is_read = request.method == "GET" and chosen in FORMS
 
     def look() -> tuple[Prepared, SliceCut, bytes | None]:
         """Return the sweep, the slice not computed yet, and it encoded if it is small.
 
         A second thread for a small slice would take as long again. A wrong request is refused here,
-        before it waits or reserves bytes.
+        before it waits.
         """
-        sweep = store.sweep(key)
-        cut = wish.prepared(sweep)
-        if not is_read or wish.values(sweep) > LARGE:
-            return sweep, cut, None
-        reserve_bytes(request, wish.reply_bytes(sweep))
-        return sweep, cut, encode_slice(cut, chosen)
+        sweep = state.store.sweep(key)
+        cut = prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
+        is_small = chosen in FORMS and request.method == "GET" and cut.grid.cells <= LARGE
+        return sweep, cut, encode_slice(cut, chosen) if is_small else None
 
     if reply is not None:
-        await run_in_threadpool(store.sweep, key)  # what is not there is not unchanged
+        await run_in_threadpool(state.store.sweep, key)  # what is not there is not unchanged
     else:
         sweep, cut, made = await run_in_threadpool(look)
         # Small ones do not wait for a thread behind large ones, nor an owner for another's.
-        lane = request.app.state.large_slices if wish.values(sweep) > LARGE else None
+        lane = state.large_slices if cut.grid.cells > LARGE else None
         turn = nullcontext() if lane is None else large_slot_of(request)
         media_type = (FORMS | TABLES)[chosen]
         if request.method == "HEAD":
             reply = without_length(media_type)
         elif chosen in TABLES:
-            reserve_bytes(request, wish.reply_bytes(sweep))
-            rows = most_rows(settings, chosen, wish.most)
+            rows = most_rows(state.settings, chosen, most)
             async with turn:
                 threads = threads_of(request)
                 frame = await to_thread.run_sync(
                     lambda: Frame.of(table_of(sweep, compute_slice(cut, threads)), most=rows),
                     limiter=lane,
                 )
-            reply = await table_reply(request, frame, chosen, lane=lane)
+            reply = table_reply(frame, chosen, lane=lane)
         else:
             if made is None:
-                reserve_bytes(request, wish.reply_bytes(sweep))
                 async with turn:  # in a thread it would hold up everybody's small ones
                     text = await run_in_threadpool(sweep.study.canonical)
                     made = await calculate_in_process(
-                        request, encode_slice_of, text, output, wish.axes, fixed, wish.most, chosen,
-                        threads_of(request), seconds=settings.max_execution_seconds,
+                        request, encode_slice_of, text, output, names, fixed, most, chosen,
+                        threads_of(request), seconds=state.settings.max_execution_seconds,
                     )  # fmt: skip
-            # What compresses texts compares a view byte by byte; a copy takes a tenth of that.
-            content = made if chosen == "binary" else bytes(made)
-            reply = Response(content, media_type=media_type)
+            reply = Response(made, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"
     return reply
-
-
-@dataclass(frozen=True)
-class _Wish:
-    """The slice that a request asks for: an output over axes, other axes fixed; `most` values."""
-
-    output: str
-    axes: list[str]
-    fixed: dict[str, str]
-    most: int
-
-    def values(self, sweep: Prepared) -> int:
-        """Return the number of values, as far as the names are axes."""
-        return math.prod(sweep.grid.shape.get(name, 1) for name in self.axes)
-
-    def prepared(self, sweep: Prepared) -> SliceCut:
-        """Check the request against the sweep and return the slice, not computed yet."""
-        return prepare_cut(sweep, output=self.output, axes=self.axes, at=self.fixed, most=self.most)
-
-    def reply_bytes(self, sweep: Prepared) -> int:
-        """Return the largest number of bytes of the reply, for which room is reserved."""
-        return BYTES_A_VALUE * min(self.values(sweep), self.most)
 
 
 @router.get(
@@ -328,7 +301,6 @@ class _Wish:
         ),
     },
 )
-@router.head("/{key}/netcdf", include_in_schema=False)
 async def get_netcdf(
     request: Request,
     key: SweepKey,
@@ -377,12 +349,3 @@ def _not_made(key: str) -> Response:
     headers = {"Cache-Control": ASK_AGAIN, "Accept-Ranges": "bytes"}
     headers["Content-Disposition"] = f'attachment; filename="{_filename(key)}"'
     return without_length(NETCDF_TYPE, headers)
-
-
-def _check_size(sweep: Prepared, settings: Settings) -> None:
-    """Raise `LimitError` if a sweep has too many cells or values on one axis to be stored."""
-    sweep.check_limits(cells=settings.max_sweep_cells, bytes_=sweep.bytes)
-    for name, size in sweep.grid.shape.items():
-        if size > settings.max_axis_values:
-            fix = f"Give {name} {settings.max_axis_values:,} values or fewer"
-            raise LimitError("values on one axis", size, settings.max_axis_values, fix)

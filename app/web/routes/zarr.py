@@ -6,21 +6,19 @@ from contextlib import nullcontext
 from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Path, Query, Request
+from fastapi import Path, Request
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import RedirectResponse, Response
+from fastapi.responses import Response
 
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.web.dependencies import SweepKey, ViewsOf
-from vibrafeed.app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
-from vibrafeed.app.web.outgoing import reserve_bytes
-from vibrafeed.app.web.replies import BINARY, OBJECT, cached_replies, problems
+from vibrafeed.app.web.downloads import FOR_EVER, etag_of, not_modified
+from vibrafeed.app.web.replies import BINARY, OBJECT, Router, cached_replies, problems
 from vibrafeed.app.web.shares import slot_of
 from vibrafeed.app.web.zarr_views import ZarrViews
 
-router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+router = Router(prefix="/sweeps", tags=["sweeps"])
 
-CHUNKS = "chunks="
 ZarrKey = Annotated[
     str,
     Path(
@@ -31,21 +29,6 @@ ZarrKey = Annotated[
         examples=["zarr.json"],
     ),
 ]
-
-
-@router.api_route("/{key}/zarr", methods=["GET", "HEAD"], include_in_schema=False)
-async def get_wished(request: Request, key: SweepKey, chunks: str | None = None) -> Response:
-    """Redirect to the Zarr group of a sweep whose address carries wishes for chunks in its query.
-
-    Clients that append keys to an address as a text append them to its query: the new address has
-    the wishes in its path.
-    """
-    if chunks is None:
-        raise NotFoundError(
-            "This is the address of a Zarr group: open it with a Zarr client. The "
-            "metadata are at zarr/zarr.json."
-        )
-    return RedirectResponse(request.url_for("get_zarr", key=key, path=f"{CHUNKS}{chunks}"))
 
 
 @router.get(
@@ -62,25 +45,14 @@ async def get_wished(request: Request, key: SweepKey, chunks: str | None = None)
             s404="No such sweep, or no such key",
             s409="The sweep is another version's: post it again",
             s422="The key is too long",
-            s503="Too much data waits to be sent",
         ),
     },
 )
-@router.head("/{key}/zarr/{path:path}", include_in_schema=False)
 async def get_zarr(
     request: Request,
     key: SweepKey,
     path: ZarrKey,
     views: ViewsOf,
-    chunks: Annotated[
-        str,
-        Query(
-            description="Number of values of a chunk along some axes, as in "
-            "`frequency:all,friction:1`. For clients that drop the query of an "
-            "address, write it into the path: `.../zarr/chunks=frequency:all`.",
-            max_length=200,
-        ),
-    ] = "",
 ) -> Response:
     """Return a key of the read-only Zarr v3 group of a sweep.
 
@@ -88,25 +60,16 @@ async def get_zarr(
     `xarray.open_zarr(".../sweeps/{key}/zarr")`. A chunk is computed when it is read, whatever the
     size of the sweep. HEAD tells sizes and ETags without computing anything.
     """
-    wanted = path
-    if path.startswith(CHUNKS):
-        chunks, _, path = path.removeprefix(CHUNKS).partition("/")
     # Who reads many chunks takes no thread from another's small slice.
-    is_computed = not views.holds(key, path, chunks)
-    async with slot_of(request) if is_computed else nullcontext():
-        return await run_in_threadpool(_key_reply, request, views, key, wanted, path, chunks)
+    async with nullcontext() if path.endswith(".json") else slot_of(request):
+        return await run_in_threadpool(_key_reply, request, views, key, path)
 
 
-def _key_reply(
-    request: Request, views: ZarrViews, key: str, wanted: str, path: str, chunks: str
-) -> Response:
-    """Return the reply to a request for a path of a sweep's group, with wishes for chunks.
-
-    `wanted` is the path with the wishes, as the client has it.
-    """
-    view = views.view(key, chunks)
+def _key_reply(request: Request, views: ZarrViews, key: str, path: str) -> Response:
+    """Return the reply to a request for a path of a sweep's group."""
+    view = views.view(key)
     missing = NotFoundError(
-        f"This sweep has no Zarr key '{wanted[:80]}'. Open the address that ends in /zarr with a "
+        f"This sweep has no Zarr key '{path[:80]}'. Open the address that ends in /zarr with a "
         "Zarr client; zarr.json names the arrays."
     )
     # A slash is a slash: an encoded one belongs to a name, and no name has one.
@@ -117,13 +80,12 @@ def _key_reply(
     except KeyError:
         raise missing from None
     # The last bits of values are those of this version of numpy.
-    etag = etag_of(key, np.__version__, *filter(None, [chunks]), path)
+    etag = etag_of(key, np.__version__, path)
     known = not_modified(request, etag, FOR_EVER)
     if known is not None:
         return known
     media_type = "application/json" if path.endswith(".json") else "application/octet-stream"
+    headers = {"ETag": etag, "Cache-Control": FOR_EVER}
     if request.method == "HEAD":
-        headers = {"ETag": etag, "Cache-Control": FOR_EVER, "Content-Length": str(length)}
-        return Response(headers=headers, media_type=media_type)
-    reserve_bytes(request, length)
-    return content_reply(views.read(key, path, chunks), etag=etag, media_type=media_type)
+        return Response(headers={**headers, "Content-Length": str(length)}, media_type=media_type)
+    return Response(view.read(path), headers=headers, media_type=media_type)

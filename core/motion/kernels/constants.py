@@ -1,7 +1,5 @@
 """Numbers that kernels share, and need no compiler for: statuses, columns of tables, limits."""
 
-from __future__ import annotations
-
 from collections import namedtuple
 
 import numpy as np

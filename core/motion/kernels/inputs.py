@@ -1,7 +1,5 @@
 """Input of kernels: types of arrays, a flag that stops them, a cell as a named tuple."""
 
-from __future__ import annotations
-
 from collections import namedtuple
 
 import numpy as np
@@ -32,7 +30,7 @@ Cell = namedtuple(
     "friction_static friction_kinetic restitution drive_number_across gravity_number_across "
     "curvature_number wall_friction wall_restitution impact_damping tolerance max_periods",
 )
-"""The numbers of `vibrafeed.core.motion.groups.Groups`, in its order, and a method's settings."""
+"""The numbers of `vibrafeed.core.motion.method.Groups`, in its order, and a method's settings."""
 
 GROUPS = len(Cell._fields)  # number of columns of a cell, before those of its wave
 

@@ -4,8 +4,6 @@ The scatter of the means of successive batches tells the error; von Neumann's ra
 differences shows what is left of a drift or of correlation.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sums of sines: their values, and where they pass through a level (theory 13.14)."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from typing import NamedTuple

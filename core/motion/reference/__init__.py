@@ -6,58 +6,34 @@ to 13.5). Single parts, at the speed of plain Python: some milliseconds for a pe
 nothing with the kernels.
 """
 
-from __future__ import annotations
-
-import contextlib
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
 
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
-from vibrafeed.core.motion.method import Method, Path
-from vibrafeed.core.motion.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
-from vibrafeed.core.motion.reference.part import FailedError, Part
+from vibrafeed.core.motion.method import (
+    BLOCK_ON_FLOOR,
+    COLUMNS,
+    STATUS,
+    Contacts,
+    Groups,
+    Method,
+    Motion,
+    each,
+    motion_of,
+    with_whole_shares,
+)
+from vibrafeed.core.motion.reference.laws import ReferenceLaws, X, Y
+from vibrafeed.core.motion.reference.part import FailedError
 from vibrafeed.core.motion.reference.repeats import PERIOD, ReferenceRun
-from vibrafeed.core.motion.result import COLUMNS, STATUS, Motion, motion_of, with_whole_shares
 from vibrafeed.core.scenes import Constraint
 from vibrafeed.core.watch import Watch
 
 LARGEST = 1e140
 """Largest number of a part: it is squared, and multiplied by phases."""
-
-
-def reference_path(
-    groups: Groups,
-    contacts: Contacts = BLOCK_ON_FLOOR,
-    *,
-    phases: ArrayLike,
-    position: Sequence[float] = (0.0, 0.0, 0.0),
-    velocity: Sequence[float] = (0.0, 0.0, 0.0),
-    spin: float = 0.0,
-) -> Path:
-    """Return the positions of one part at given phases, accurate to about twelve digits.
-
-    For checks of others; NaN from where the method failed. The given state is that at the first of
-    the `phases`, which ascend [rad]; `spin` is the velocity across, in g/w, that the spin of a
-    cylinder gives its lowest point.
-    """
-    asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
-    if not np.all(np.isfinite(asked)) or np.any(np.diff(asked) < 0.0):
-        raise ValueError("the argument phases has to hold finite numbers in ascending order")
-    if not np.isfinite(_numbers(groups)).all():
-        raise ValueError("groups must be finite")
-    state = np.array([*position, *velocity, spin], dtype=np.float64)
-    part = Part(ReferenceLaws(groups, contacts), state)
-    part.phase = float(asked[0])
-    rows = np.full((asked.size, 7), np.nan)
-    with contextlib.suppress(FailedError):  # what was not reached stays NaN
-        part.advance(float(asked[-1]), asked, rows)
-    return Path(asked, rows[:, X : Z + 1], rows[:, UX : UZ + 1])
 
 
 def reference_motion(

@@ -10,8 +10,6 @@ and every contact adds its normal force and friction, by whether it sticks or sl
 what belongs to them may be arrays.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.groups import Contacts, Groups, Numbers
+from vibrafeed.core.motion.method import Contacts, Groups, Numbers
 from vibrafeed.core.motion.waves import ALONG, ENDS, TURN, step_speeds
 
 SOON = 1e-6
@@ -183,7 +181,7 @@ class ReferenceLaws:
         self.drive = drive or next(pieces(groups, 0.0, TURN))[0]
         self.response = 1.0 + contacts.rolling
 
-    def pieces(self, begin: float, end: float) -> Iterator[tuple[ReferenceLaws, float]]:
+    def pieces(self, begin: float, end: float) -> "Iterator[tuple[ReferenceLaws, float]]":
         """Yield the laws for each stretch between jumps of the drive, with the phase of its end.
 
         From phase `begin` to `end` in rad; each laws object has the drive that is smooth there.

@@ -1,7 +1,5 @@
 """One part on its way from event to event, with its smooth motion solved between them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ the state grows or shrinks over a cycle is measured: it tells whether the cycle 
 lies exactly (Newton's iteration), and what errors do to the mean velocity.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

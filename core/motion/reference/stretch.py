@@ -8,8 +8,6 @@ the rates depend on is found by Newton's iteration: of a slip its size and its a
 which has one smooth solution through a start at size 0, too: there the slip follows the push.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,7 +17,7 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.groups import Numbers
+from vibrafeed.core.motion.method import Numbers
 from vibrafeed.core.motion.reference.laws import SPIN, UX, Mode, ReferenceLaws
 
 # --- polynomials: a stretch is the interval 0 to 1, coefficients belong to T_k(2 s - 1)

@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -271,10 +272,54 @@ def test_a_ledger_that_is_none_is_told_and_left_alone(tmp_path, monkeypatch):
     ledger = tmp_path / "jobs.sqlite3"
     ledger.write_bytes(b"no ledger " * 1000)
     monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(tmp_path))
-    assert_one_line(
-        run("serve", "--port", "0"), tmp_path, "its jobs.sqlite3: file is not a database"
+    result = run("serve", "--port", "0")
+    assert result.exit_code == 2, result.output
+    (line,) = result.stderr.splitlines()
+    assert line == (
+        f"The ledger is damaged: file is not a database. Restore the backup of {ledger}; studies "
+        "and results are not affected."
     )
     assert ledger.read_bytes() == b"no ledger " * 1000
+
+
+def test_temporary_files_go_to_the_data_directory_where_the_system_has_no_folder(
+    tmp_path, monkeypatch
+):
+    folders = []
+    monkeypatch.setattr(
+        "vibrafeed.app.web.server.serve_until_stopped",
+        lambda *_, **__: folders.append(tempfile.gettempdir()),
+    )
+    monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(tmp_path))
+    monkeypatch.setenv("TMPDIR", "/proc/none")
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setattr(
+        tempfile, "_candidate_tempdir_list", lambda: [os.environ["TMPDIR"], "/proc/none"]
+    )
+    (tmp_path / "tmp").touch()
+    assert_one_line(run("serve", "--port", "0"), tmp_path, "it can hold no folder for temporary")
+    (tmp_path / "tmp").unlink()
+    assert run("serve", "--port", "0").exit_code == 0
+    assert folders == [str(tmp_path / "tmp")]
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])
+def test_an_empty_ledger_beside_studies_is_not_taken_for_a_new_one(tmp_path, monkeypatch, host):
+    (tmp_path / "studies" / ("0" * 64)).mkdir(parents=True)
+    ledger = tmp_path / "jobs.sqlite3"
+    ledger.touch()
+    monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(tmp_path))
+    result = run("serve", "--host", host, "--port", "0")
+    assert result.exit_code == 2, result.output
+    (line,) = result.stderr.splitlines()
+    assert line.startswith(f"The ledger is empty, but {tmp_path / 'studies'} holds studies: ")
+    assert "--new-ledger" in line
+    served = []
+    monkeypatch.setattr(
+        "vibrafeed.app.web.server.serve_until_stopped", lambda *_, **__: served.append(1)
+    )
+    assert run("serve", "--new-ledger", "--port", "0").exit_code == 0
+    assert served
 
 
 def test_a_port_that_is_taken_is_told_in_one_line(tmp_path, monkeypatch):

@@ -97,7 +97,7 @@ def test_every_kind_goes_into_every_format(kind, name, tmp_path):
         np.testing.assert_array_equal(read(tmp_path / "exported" / f"x{suffix}", name), expected)
     for suffix in SUFFIXES[:3]:
         np.testing.assert_array_equal(read(tmp_path / "new" / f"x{suffix}", name), expected)
-    assert (tmp_path / "new" / "x.csv-metadata.json").exists()
+    assert (tmp_path / "new" / "x.csv.json").exists()
     assert not [path for path in (tmp_path / "new").iterdir() if path.name.startswith(".")]
 
 
@@ -158,12 +158,52 @@ def test_what_a_format_cannot_hold_is_told_before_it_is_computed(tmp_path, monke
 
 
 def test_a_package_that_is_missing_is_told_before_anything_is_computed(tmp_path, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
+    monkeypatch.setitem(__import__("sys").modules, "xlsxwriter", None)
     study = saved(tmp_path, {"kind": "sweep", **STUDIES["sweep"]})
     result = run("run", study, "-o", tmp_path / "x.xlsx")
     assert result.exit_code == 2
-    assert installing("openpyxl") in result.output
+    assert installing("xlsxwriter") in result.output
     assert "Or give the output a name that ends in .nc or .csv" in result.output
+
+
+def test_csv_for_excel_in_europe(tmp_path):
+    study = saved(tmp_path, {"kind": "sweep", **STUDIES["sweep"]})
+    plain = tmp_path / "plain.csv"
+    assert run("run", study, "-o", plain).exit_code == 0
+    run("run", study, "-o", tmp_path / "x.nc")
+    for command in (("run", study), ("export", tmp_path / "x.nc")):
+        result = run(*command, "-o", tmp_path / "x.csv", "--csv-style", "excel", "--force")
+        assert result.exit_code == 0, result.output
+        found = pandas.read_csv(tmp_path / "x.csv", sep=";", decimal=",")
+        pandas.testing.assert_frame_equal(found, pandas.read_csv(plain), check_exact=True)
+        result = run(*command, "-o", tmp_path / "y.nc", "--csv-style", "excel")
+        assert result.exit_code == 2
+        assert "--csv-style: it is for CSV only. Leave it out" in result.output
+        assert not (tmp_path / "y.nc").exists()
+
+
+def test_zarr_of_version_2(tmp_path):
+    study = saved(tmp_path, {"kind": "sweep", **STUDIES["sweep"]})
+    run("run", study, "-o", tmp_path / "x.nc")
+    for name in ("x.zarr", "y.zarr"):
+        command = ("export", tmp_path / "x.nc", "-o", tmp_path / name, "--zarr-version", 2)
+        assert run(*command).exit_code == 0
+    with (
+        xarray.open_dataset(tmp_path / "x.nc") as whole,
+        xarray.open_zarr(tmp_path / "x.zarr", zarr_format=2, mask_and_scale=False) as found,
+    ):
+        xarray.testing.assert_equal(found.load(), whole.load())
+        assert found.throw_number.long_name == whole.throw_number.long_name
+        assert found.attrs["study"] == whole.attrs["study"]
+    run("export", tmp_path / "x.zarr", "-o", tmp_path / "back.nc")
+    with (
+        xarray.open_dataset(tmp_path / "x.nc") as whole,
+        xarray.open_dataset(tmp_path / "back.nc") as back,
+    ):
+        xarray.testing.assert_equal(back.load(), whole.load())
+    result = run("export", tmp_path / "x.nc", "-o", tmp_path / "x.csv", "--zarr-version", 2)
+    assert result.exit_code == 2
+    assert "--zarr-version: it is for Zarr only" in result.output
 
 
 def test_export_refuses_what_is_no_result(tmp_path):

@@ -25,19 +25,7 @@ OPTIONAL = {  # what is looked for, and not needed
     ("app/cli/studies.py", "os.set_blocking"),
 }
 SERVICE = {  # what the service still needs of POSIX
-    ("app/jobs/integrity.py", "os.pread"),
-    ("app/jobs/process_pool.py", "mmap.PROT_READ"),
-    ("app/jobs/process_pool.py", "os.SCHED_BATCH"),
-    ("app/jobs/process_pool.py", "os.memfd_create"),
-    ("app/jobs/process_pool.py", "os.sched_param"),
-    ("app/jobs/process_pool.py", "os.sched_setscheduler"),
     ("app/jobs/runner.py", "fcntl"),
-    ("app/web/connections.py", "resource"),
-    ("app/web/downloads.py", "os.pread"),
-    ("app/web/warmth.py", "os.PRIO_PGRP"),
-    ("app/web/warmth.py", "os.killpg"),
-    ("app/web/warmth.py", "os.setpriority"),
-    ("app/web/warmth.py", "signal.SIGKILL"),
 }
 LOOKED_FOR = {f"{name}: vibrafeed/{file}" for file, name in OPTIONAL}
 

@@ -109,7 +109,6 @@ def test_a_killed_run_to_zarr_leaves_nothing_and_goes_on(study: Path, tmp_path: 
     found = re.search(r"continuing: (\d+) of (\d+) blocks were done before", words(result.output))
     assert found is not None
     assert 0 < int(found[1]) < int(found[2])
-    assert "that this run has computed" in words(result.output)
     assert not folder.exists()
     with xarray.open_zarr(target) as dataset:
         check(dataset, study)
@@ -144,7 +143,7 @@ def test_a_large_netcdf_says_that_it_begins_anew(study: Path, tmp_path: Path) ->
     assert re.search(r"416,000 cells, \S+ bytes before compression; a run to NetCDF that", output)
     assert "begins anew, one to Zarr (-o x.zarr) goes on; " in output
     assert "416,000 cells, 0.00" in output
-    assert "transport_velocity" in output
+    assert "Ranges of values are not printed above 0.001 GB." in output
     with xarray.open_dataset(target) as found:
         check(found, study)
 
@@ -232,6 +231,7 @@ def test_a_simulation_is_stored_block_by_block_too(study: Path, tmp_path: Path) 
     )
     result = run(study, "-o", tmp_path / "b.zarr")
     assert result.exit_code == 0, result.output
+    assert "conveying_velocity" in result.output
     assert run(study, "-o", tmp_path / "b.nc").exit_code == 0
     with (
         xarray.open_zarr(tmp_path / "b.zarr") as found,

@@ -7,7 +7,7 @@ import pytest
 
 from vibrafeed.core.dataset.table import percent_with_error
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.plan.price import in_words
+from vibrafeed.core.plan.prepared import in_words
 
 
 @pytest.mark.parametrize(

@@ -1,160 +1,106 @@
-"""The cluster leaves no worker behind, whatever becomes of who asks for it."""
+"""A Dask scheduler elsewhere takes calls as the service's own processes do."""
 
 from __future__ import annotations
 
 import asyncio
-import multiprocessing
-import os
-import signal
+import threading
 from collections.abc import Awaitable, Callable
 
 import distributed
 import pytest
 
 from vibrafeed.app.jobs import cluster as clusters
-from vibrafeed.app.jobs.cluster import POLITE, Cluster
-from waiting import PATIENCE
+from vibrafeed.app.jobs.cluster import Cluster
+from vibrafeed.app.jobs.process_pool import LostError
+from waiting import awaited
 
 
-def processes() -> set[int]:
-    """Return the processes that this one has started and that are alive."""
-    return {child.pid for child in multiprocessing.active_children() if child.pid is not None}
+async def nothing() -> None:
+    """Begin."""
 
 
-async def until(condition: Callable[[], object]) -> None:
-    async with asyncio.timeout(PATIENCE):
-        while not condition():
-            await asyncio.sleep(0.02)
+def connected(test: Callable[[Cluster], Awaitable[None]], workers: int) -> None:
+    """Run a test with a cluster of threads in this process."""
+    with distributed.LocalCluster(
+        n_workers=workers, threads_per_worker=2, processes=False, host="127.0.0.1",
+        dashboard_address="127.0.0.1:0", protocol="tcp",
+    ) as local:  # fmt: skip
+        cluster = Cluster(local.scheduler_address)
 
-
-@pytest.fixture
-def run():
-    """Return a function that runs a test on a cluster; no process may be left after it."""
-
-    def run(test: Callable[[Cluster], Awaitable[None]], address: str | None = None) -> None:
-        async def closed() -> None:
-            cluster = Cluster(address, 1)
+        async def run() -> None:
             try:
                 await test(cluster)
             finally:
-                await cluster.close()
-            assert not processes() - before
+                await asyncio.to_thread(cluster.close)
 
-        before = processes()
-        try:
-            asyncio.run(closed())
-        finally:
-            for pid in processes() - before:
-                os.kill(pid, signal.SIGKILL)
-
-    return run
+        asyncio.run(run())
 
 
-def test_workers_do_not_observe_themselves(run):
-    """Idle, two of them and their scheduler took a twelfth of a processor."""
+def test_calls_return_or_raise() -> None:
+    async def test(cluster: Cluster) -> None:
+        assert cluster.alive() == 0
+        await cluster.prepare()
+        assert (cluster.alive(), cluster.fair_queue.slots, cluster.trouble) == (2, 3, None)
+        assert await cluster(divmod, 7, 2, began=nothing) == (3, 1)
+        with pytest.raises(ZeroDivisionError):
+            await cluster(divmod, 1, 0, began=nothing)
+
+    connected(test, 1)
+
+
+def test_what_is_given_up_is_left_to_itself() -> None:
+    go_on = threading.Event()
+    clusters.wait_for_test = go_on.wait
 
     async def test(cluster: Cluster) -> None:
-        client = await cluster.client()
-        own = await client.run(
-            lambda dask_worker: {
-                name: callback.callback_time
-                for name, callback in dask_worker.periodic_callbacks.items()
-            }
-        )
-        (milliseconds,) = own.values()
-        assert not {"profile", "profile-cycle"} & milliseconds.keys()
-        assert min(milliseconds.values()) >= 100, milliseconds
+        await cluster.prepare()
+        begun = asyncio.Event()
 
-    run(test)
+        async def began() -> None:
+            begun.set()
+
+        call = asyncio.create_task(cluster(go_on_of_test, began=began, grace=0.1))
+        await begun.wait()
+        call.cancel()
+        await asyncio.wait({call})
+        assert call.cancelled()
+        go_on.set()
+
+    connected(test, 1)
 
 
-def test_all_who_ask_share_one_start(run):
+def go_on_of_test() -> None:
+    clusters.wait_for_test(60)
+
+
+def test_a_scheduler_without_workers_is_told() -> None:
     async def test(cluster: Cluster) -> None:
-        first, second = await asyncio.gather(cluster.client(), cluster.client())
-        assert first is second is await cluster.client()
-        assert await cluster.workers() == 1
+        with pytest.raises(LostError, match="there are no workers"):
+            await cluster.prepare()
+        assert cluster.trouble == "there are no workers"
 
-    run(test)
+    connected(test, 0)
 
 
-def test_who_is_cancelled_while_workers_start_leaves_none(run):
+def test_a_scheduler_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clusters, "PATIENCE", 0.5)
+
+    async def run() -> None:
+        cluster = Cluster("tcp://127.0.0.1:9")
+        with pytest.raises(LostError, match="cannot be reached"):
+            await cluster.prepare()
+        assert cluster.trouble
+        cluster.close()
+
+    asyncio.run(run())
+
+
+def test_a_connection_that_is_lost_is_made_again() -> None:
     async def test(cluster: Cluster) -> None:
-        before = processes()
-        asking = asyncio.create_task(cluster.client())
-        await until(lambda: processes() - before)  # it is there, and the cluster is not yet
-        asking.cancel()
-        await asyncio.wait([asking])
-        assert asking.cancelled()
+        await cluster.prepare()
+        await asyncio.to_thread(cluster._client.close)
+        await awaited(lambda: cluster._client.status == "closed")
+        await cluster.prepare()
+        assert await cluster(divmod, 7, 2, began=nothing) == (3, 1)
 
-    run(test)
-
-
-def test_closing_while_workers_start_closes_what_comes_of_it(run):
-    async def test(cluster: Cluster) -> None:
-        before = processes()
-        asking = asyncio.create_task(cluster.client())
-        await until(lambda: processes() - before)
-        await cluster.close()
-        await until(lambda: not processes() - before)
-        assert (await asking).status == "closed"
-        assert (await cluster.client()).status == "running"  # as after any close
-
-    run(test)
-
-
-def test_a_client_that_fails_leaves_no_workers(run, monkeypatch):
-    async def test(cluster: Cluster) -> None:
-        before = processes()
-        with monkeypatch.context() as broken:
-            broken.setattr(clusters, "Client", fail)
-            for _ in range(2):
-                with pytest.raises(OSError, match="no client"):
-                    await cluster.client()
-                assert not processes() - before
-        assert (await cluster.client()).status == "running"
-
-    def fail(*arguments: object, **options: object) -> None:
-        raise OSError("no client")
-
-    run(test)
-
-
-def test_a_worker_that_takes_the_place_of_a_dead_one_is_polite_too(run):
-    async def test(cluster: Cluster) -> None:
-        client = await cluster.client()
-        own = os.nice(0)
-        for _ in range(2):
-            pid, nice = await client.submit(lambda: (os.getpid(), os.nice(0)), pure=False)
-            assert nice == min(own + POLITE, 19)
-            os.kill(pid, signal.SIGKILL)
-        async with asyncio.timeout(PATIENCE):
-            while await cluster.workers() > 0:  # the truth, while there is none
-                await asyncio.sleep(0.002)
-            # Distributed itself stumbles when it is closed while a worker is started again.
-            while await cluster.workers() == 0:
-                await asyncio.sleep(0.1)
-
-    run(test)
-
-
-def test_a_scheduler_elsewhere_may_have_no_workers(run):
-    async def test(_: Cluster) -> None:
-        async with distributed.Scheduler(
-            host="127.0.0.1", port=0, dashboard_address="127.0.0.1:0"
-        ) as scheduler:
-            cluster = Cluster(scheduler.address, 1)
-            assert await cluster.workers() == 0
-            await cluster.close()
-
-    run(test)
-
-
-def test_closing_does_not_wait_for_a_scheduler_that_does_not_answer(run):
-    async def test(cluster: Cluster) -> None:
-        asking = asyncio.create_task(cluster.client())
-        await asyncio.sleep(1)
-        async with asyncio.timeout(15):  # the client itself tries for 20 s
-            await cluster.close()
-            await asyncio.wait([asking])
-
-    run(test, "tcp://127.0.0.1:9")
+    connected(test, 1)

@@ -75,13 +75,6 @@ def test_others_see_a_change_soon(database, monkeypatch):
     assert there.are_needed, "withdrawing the last key has opened the service"
 
 
-def test_keys_of_the_settings_are_admins_named_by_their_hash(database):
-    made, digest = keys.new_key()
-    found = Keys(database, [digest])
-    assert found.are_needed
-    assert found.of_hash(hash_of(made)) == Key(digest[:8], "admin", hash=digest)
-
-
 def test_what_was_known_stays_while_the_ledger_cannot_be_read(database, monkeypatch):
     made, _ = Keys(database).add(Key("lab", "run"))
     found = Keys(database)

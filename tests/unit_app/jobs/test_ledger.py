@@ -10,8 +10,12 @@ import pytest
 from sqlalchemy.exc import ProgrammingError
 
 from postgres import PASSWORD
-from vibrafeed.app.jobs.errors import LostLedgerError, QueueFullError
+from vibrafeed.app.jobs.errors import LostLedgerError, NoRoomError, QueueFullError
+from vibrafeed.app.jobs.keys import Key
 from vibrafeed.app.jobs.ledger import ACTIVE, Ledger, Wanted
+from vibrafeed.app.jobs.quota import Quota
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.settings import Settings
 from waiting import PATIENCE
 
 LEASE = 60.0
@@ -42,6 +46,27 @@ def post(ledger, key="k", *, seconds=None, owner=""):
     )
 
 
+def test_servers_count_the_bytes_of_an_owner_alike(ledgers, tmp_path):
+    """What is promised, then what the files of a result take."""
+    settings = Settings(data_directory=tmp_path)
+    here, there = (Quota(ledger, Store(tmp_path), settings) for ledger in ledgers)
+    who = Key("lab", "run", bytes=2500)
+    for server in (here, there):
+        server.look("k", 1000, who)  # nothing is there
+    for key in ("k", "l"):
+        here.make(key, 1000, who)
+        post(ledgers[0], key, owner="lab")
+        here.ownership.hold("lab", key, 10, result=True)
+    assert there.used() == 2000
+    with pytest.raises(NoRoomError, match="your key may store"):
+        there.make("m", 1000, who)
+    ledgers[1].end(ledgers[1].claim("b", LEASE, "k"), None, 300)
+    assert here.used() == 1300
+    there.make("m", 1000, who)
+    there.ownership.hold("lab", "m", 10, result=True)
+    assert here.ownership.of("lab", "k") is not None  # it has made no room
+
+
 def test_a_job_goes_its_way(ledgers):
     here, there = ledgers
     job = post(here)
@@ -54,7 +79,7 @@ def test_a_job_goes_its_way(ledgers):
     there.advance(work, done=5, seconds=0.5)
     running = here.job(job.id)
     assert (running.state, running.done, running.seconds) == ("running", 5, 2.0)
-    there.succeed(work)
+    there.end(work, None, 1)
     done = here.job(job.id)
     assert (done.state, done.done, done.seconds) == ("successful", 10, 2.0)
     assert done.created <= done.started <= done.finished
@@ -76,7 +101,7 @@ def test_the_pace_is_that_of_the_claim(ledgers):
     found = here.job(job.id)
     assert (found.done_then, found.done) == (6, 8)
     assert found.began is not None
-    there.succeed(second)
+    there.end(second, None, 1)
     assert here.job(job.id).began is None
 
 
@@ -110,7 +135,7 @@ def test_equal_studies_are_computed_once(ledgers):
     here.advance(work, done=0, seconds=0.0)
     late = post(there)
     assert late.state == "running"
-    here.succeed(work)
+    here.end(work, None, 1)
     states = {there.job(job.id).state for job in (*jobs, late)}
     assert states == {"successful"}
     at_once = post(here, seconds=3.0)
@@ -130,7 +155,7 @@ def test_a_lease_that_runs_out_is_taken_over_and_its_owner_has_no_say_any_more(l
     assert not here.holds(work)
     assert not here.renew(work, LEASE)
     here.advance(work, done=9, seconds=9.0)
-    here.fail(work, {"status": 500, "kind": "x", "title": "x", "detail": "x"})
+    here.end(work, {"status": 500, "kind": "x", "title": "x", "detail": "x"}, 1)
     assert (there.job(job.id).state, there.job(job.id).done) == ("accepted", 0)
 
 
@@ -151,7 +176,7 @@ def test_a_failure_is_told_to_every_job_of_the_study_and_a_new_one_tries_again(l
     first = post(here)
     work = here.claim("a", LEASE)
     problem = {"status": 507, "kind": "storage", "title": "No", "detail": "Full."}
-    here.fail(work, problem)
+    here.end(work, problem, 1)
     assert here.job(first.id).problem == problem
     again = post(here)
     assert (again.state, here.job(first.id).state) == ("accepted", "failed")
@@ -167,7 +192,7 @@ def test_a_job_that_was_dismissed_or_failed_tells_how_far_it_came(ledgers):
     dismissed = here.dismiss(jobs[0].id)
     assert (dismissed.done, dismissed.seconds) == (1, 2.5)
     here.advance(work, done=2, seconds=1.5)
-    here.fail(work, {"status": 500, "kind": "internal", "title": "No", "detail": "No."})
+    here.end(work, {"status": 500, "kind": "internal", "title": "No", "detail": "No."}, 1)
     assert (here.job(jobs[1].id).done, here.job(jobs[1].id).seconds) == (2, 4.0)
     assert here.job(jobs[0].id).done == 1  # what others did later is not its own
 
@@ -248,12 +273,21 @@ def test_lists(ledgers):
     here, _ = ledgers
     jobs = [post(here, str(number)) for number in range(5)]
     assert [job.id for job in here.jobs(limit=3)] == [job.id for job in jobs[:1:-1]]
-    assert [job.id for job in here.jobs(limit=3, offset=3)] == [jobs[1].id, jobs[0].id]
+    after = jobs[2].created, jobs[2].id
+    assert [job.id for job in here.jobs(limit=3, after=after)] == [jobs[1].id, jobs[0].id]
     here.dismiss(jobs[0].id)
     assert [job.id for job in here.jobs(Wanted(states=("dismissed",)), limit=9)] == [jobs[0].id]
     assert here.jobs(Wanted(processes=("sweep",)), limit=9) == []
     here.forget(time.time() + 1, 9)
     assert len(here.jobs(limit=9)) == 4  # those that are active stay
+
+
+def test_the_latest_stands_first_where_the_clock_has_been_set_back(ledgers, monkeypatch):
+    here, there = ledgers
+    first = post(here, "k")
+    monkeypatch.setattr("vibrafeed.app.jobs.ledger.time.time", lambda: first.created - 86_400)
+    last = post(there, "l")
+    assert [job.id for job in here.jobs(limit=9)] == [last.id, first.id]
 
 
 def test_of_jobs_that_are_over_so_many_are_kept(ledgers):
@@ -275,7 +309,7 @@ def test_many_threads_of_two_servers_lose_nothing(ledgers):
         item = ledger.claim(f"owner {number}", LEASE)
         with lock:
             taken.append(item.key)
-        ledger.succeed(item)
+        ledger.end(item, None, 1)
         return job.id
 
     with ThreadPoolExecutor(16) as pool:
@@ -355,7 +389,7 @@ def test_what_is_away_for_a_while_is_told_and_loses_nothing(postgresql):
                 postgresql.start()
             assert ledger.fault() is None
             assert ledger.holds(work)
-        ledger.succeed(work)
+        ledger.end(work, None, 1)
         assert ledger.job(job.id).state == "successful"
     finally:
         ledger.close()

@@ -5,12 +5,12 @@ import sqlite3
 
 import pytest
 from pydantic import ValidationError
-from sqlalchemy import inspect
+from sqlalchemy import event, inspect
 
-from vibrafeed.app.jobs import database
+from vibrafeed.app.jobs import audit, database
 from vibrafeed.app.jobs.database import Database
-from vibrafeed.app.jobs.errors import LaterLedgerError
-from vibrafeed.app.jobs.ledger import Ledger
+from vibrafeed.app.jobs.errors import DamagedLedgerError, LaterLedgerError
+from vibrafeed.app.jobs.ledger import Ledger, Wanted
 from vibrafeed.app.jobs.tables import TABLES, UPGRADES
 from vibrafeed.app.settings import Settings
 
@@ -68,7 +68,7 @@ def test_a_file_of_the_time_before_versions_keeps_its_jobs(tmp_path):
         job = ledger.job("a")
         assert (job.state, job.done, job.created) == ("accepted", 3, 1.5)
         work = ledger.claim("server", 9.0)
-        ledger.succeed(work)
+        ledger.end(work, None, 1)
         assert ledger.job("a").state == "successful"
     finally:
         ledger.close()
@@ -142,4 +142,62 @@ def test_a_password_is_shown_nowhere():
     assert "sesame" not in settings.model_dump_json() + repr(settings)
     ledger = Ledger(settings.ledger_url.get_secret_value())
     assert ledger.fault() == "The database of the ledger cannot be reached."
+    ledger.close()
+
+
+def damage(path):
+    """Write over all pages of a ledger but the first, which names its tables."""
+    size = 4096
+    with path.open("r+b") as file:
+        pages = path.stat().st_size // size
+        for page in range(1, pages):
+            file.seek(page * size)
+            file.write(bytes(range(256)) * 8)
+
+
+def test_a_damaged_file_is_found_at_the_start_and_when_it_is_read(tmp_path):
+    path = tmp_path / "jobs.sqlite3"
+    Ledger(path).close()
+    whole = Ledger(path)
+    whole.counts()
+    whole.database.check()
+    assert whole.fault() is None
+    whole.close()
+    damage(path)
+    ledger = Ledger(path)
+    with pytest.raises(DamagedLedgerError):
+        ledger.counts()
+    assert ledger.fault() == "The ledger is damaged: restore the backup."
+    with pytest.raises(DamagedLedgerError):
+        ledger.database.check()
+    ledger.close()
+
+
+def test_a_ledger_is_empty_until_something_is_entered(tmp_path):
+    ledger = Ledger(tmp_path / "jobs.sqlite3")
+    assert ledger.is_empty()
+    audit.note(ledger.database, "", "post", "a study")
+    assert not ledger.is_empty()
+    ledger.close()
+
+
+@pytest.mark.parametrize("states", [(), ("successful",)])
+def test_a_page_of_many_jobs_is_found_without_sorting_them(tmp_path, states):
+    ledger = Ledger(tmp_path / "jobs.sqlite3")
+    for number in range(3):
+        ledger.post(
+            str(number), "sweep", cells=1, block_cells=1, blocks=1, bytes_=1, finished_seconds=1.0
+        )
+    asked = []
+    event.listen(
+        ledger.database._engine(), "before_cursor_execute", lambda *a: asked.append(a[2:4])
+    )
+    (latest,) = ledger.jobs(limit=1)
+    seen = Wanted(states=states, seen_by="one")
+    ledger.jobs(seen, limit=10, after=(latest.created, latest.id))
+    query, values = asked[-1]
+    with contextlib.closing(sqlite3.connect(tmp_path / "jobs.sqlite3")) as file:
+        plan = [row[3] for row in file.execute(f"EXPLAIN QUERY PLAN {query}", values)]
+    assert any("USING INDEX jobs_by_" in step for step in plan), plan
+    assert not any("TEMP B-TREE" in step for step in plan), plan
     ledger.close()

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-import ast
 import asyncio
-import contextlib
 import gc
 import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
-from vibrafeed.app.jobs.process_pool import CALLS, ENVIRONMENT, SHARED, EndedError, ProcessPool
+from vibrafeed.app.jobs.process_pool import (
+    CALLS,
+    ENVIRONMENT,
+    EndedError,
+    ProcessPool,
+    SlowError,
+    _Process,
+)
 from vibrafeed.core.errors import LimitError, Problem, StoppedError, StudyError
-from waiting import wait_for
+from waiting import PATIENCE, awaited, wait_for
 
 
 def hold(path=None):
@@ -38,6 +44,11 @@ def environment():
     return {name: os.environ.get(name) for name in ENVIRONMENT}
 
 
+def write_and_sleep(path, seconds):
+    path.write_text(str(os.getpid()))
+    time.sleep(seconds)
+
+
 def die():
     os.kill(os.getpid(), signal.SIGKILL)
 
@@ -50,7 +61,8 @@ def carried_out(*calls):
     """Return what each coroutine function, given a pool, returns or raises, one after another."""
 
     async def main():
-        pool = ProcessPool(2, (__name__,))
+        pool = ProcessPool(1, ())
+        pool.open()
         try:
             return [(await asyncio.gather(call(pool), return_exceptions=True))[0] for call in calls]
         finally:
@@ -81,56 +93,11 @@ def test_results_come_back_as_they_were():
     assert [type(one) for one in found] == [type(one) for one in results]
 
 
-def files_in_memory():
-    """Return how many results this process still holds open; other files come and go."""
-    gc.collect()
-    found = 0
-    for link in list(Path("/proc/self/fd").iterdir()):
-        with contextlib.suppress(FileNotFoundError):  # closed meanwhile
-            found += "memfd:result" in str(link.readlink())
-    return found
-
-
-def test_a_large_result_is_memory_of_both_processes_and_no_file_of_theirs_stays():
-    large = bytes(range(256)) * (SHARED // 256)
-
-    async def taken(pool):
-        first = await pool(same, large, seconds=60)
-        assert isinstance(first, memoryview)
-        assert first.readonly
-        second = await pool(same, large[::-1], seconds=60)
-        assert first == large
-        assert second == large[::-1]
-
-    # The thread that has taken a result lets go of it a moment later.
-    async def held(pool):
-        result = await pool(same, large, seconds=60)
-        wait_for(lambda: files_in_memory() == 1)
-        del result
-        wait_for(lambda: files_in_memory() == 0)
-        return await pool(files_in_memory, seconds=60)
-
-    assert carried_out(taken, held) == [None, 0]
-
-
-def test_processes_have_one_thread_each_and_give_memory_back():
-    # In a process of its own: here others may have started the server that all are forked from.
-    code = (
-        "import asyncio\n"
-        "from vibrafeed.app.jobs.process_pool import ProcessPool\n"
-        "from test_process_pool import environment\n"
-        "pool = ProcessPool(1, ())\n"
-        "pool.open()\n"
-        "print(asyncio.run(pool(environment, seconds=600)))\n"
-        "pool.close()"
-    )
-    places = os.pathsep.join([*sys.path, str(Path(__file__).parent)])
-    bare = {name: value for name, value in os.environ.items() if name not in ENVIRONMENT}
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True, text=True, check=True, env=bare | {"PYTHONPATH": places},
-    )  # fmt: skip
-    assert ast.literal_eval(done.stdout) == ENVIRONMENT
+def test_processes_have_one_thread_each_and_give_memory_back(monkeypatch):
+    for name in ENVIRONMENT:
+        monkeypatch.delenv(name, raising=False)
+    [found] = carried_out(lambda pool: pool(environment))
+    assert found == ENVIRONMENT
 
 
 @pytest.mark.parametrize(
@@ -168,6 +135,14 @@ def test_what_takes_too_long_is_ended_and_others_go_on(tmp_path):
         wait_for(lambda: not is_there(int(path.read_text())))
 
 
+@pytest.mark.parametrize(("busy", "error"), [(0.4, SlowError), (0.6, StoppedError)])
+def test_a_busy_machine_is_not_what_takes_too_long(busy, error, monkeypatch):
+    spent = iter([1.0, 1.0 + busy])
+    monkeypatch.setattr(_Process, "busy_seconds", lambda self, pid: next(spent))
+    [held] = carried_out(lambda pool: pool(time.sleep, 1e6, seconds=1))
+    assert type(held) is error
+
+
 def test_what_nobody_wants_any_more_is_ended():
     async def look():
         raise InterruptedError
@@ -196,7 +171,7 @@ def test_an_idle_process_that_died_is_not_used():
     async def killed(pool):
         pid = await pool(os.getpid, seconds=60)
         os.kill(pid, signal.SIGKILL)
-        wait_for(lambda: not any(process.is_alive() for process in pool._idle))
+        wait_for(lambda: not is_there(pid))
         return pid, await pool(os.getpid, seconds=60)
 
     [(first, second)] = carried_out(killed)
@@ -205,9 +180,39 @@ def test_an_idle_process_that_died_is_not_used():
 
 def test_memory_does_not_pile_up():
     async def many(pool):
-        first = await pool(os.getpid, seconds=60)
+        first = await pool(os.getpid)
         pool._idle[0].calls = CALLS - 1
-        return first, await pool(os.getpid, seconds=60), await pool(os.getpid, seconds=60)
+        return first, await pool(os.getpid), await pool(os.getpid)
 
     [(first, last, other)] = carried_out(many)
     assert first == last != other
+
+
+def test_what_is_given_up_may_end_by_itself(tmp_path):
+    path = tmp_path / "pid"
+
+    async def given_up(pool):
+        call = asyncio.create_task(pool(write_and_sleep, path, 0.3, grace=PATIENCE))
+        await awaited(path.exists)
+        call.cancel()
+        await asyncio.wait({call})
+        return int(path.read_text()), await pool(os.getpid)
+
+    [(first, second)] = carried_out(given_up)
+    assert first == second
+
+
+def test_processes_end_with_their_service(tmp_path):
+    path = tmp_path / "pid"
+    code = (
+        "import test_process_pool as t\n"
+        f"t.carried_out(lambda pool: pool(t.write_and_sleep, t.Path({str(path)!r}), 1e6))"
+    )
+    places = os.pathsep.join([*sys.path, str(Path(__file__).parent)])
+    service = subprocess.Popen(
+        [sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": places}
+    )
+    wait_for(lambda: path.exists() and path.read_text())
+    service.kill()
+    service.wait()
+    wait_for(lambda: not is_there(int(path.read_text())))

@@ -6,19 +6,22 @@ import asyncio
 import errno
 import sqlite3
 import threading
-import uuid
 from collections.abc import Callable, Coroutine
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from vibrafeed.app.jobs import work
 from vibrafeed.app.jobs.admission import Admission
-from vibrafeed.app.jobs.dispatcher import MAX_TORN
+from vibrafeed.app.jobs.dispatcher import MAX_DEATHS, MAX_TORN
 from vibrafeed.app.jobs.errors import OtherVersionError, TornBlockError
+from vibrafeed.app.jobs.fair_queue import FairQueue
 from vibrafeed.app.jobs.ledger import ACTIVE, Job, Ledger
+from vibrafeed.app.jobs.process_pool import EndedError, LostError
 from vibrafeed.app.jobs.runner import Runner
 from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.work import task_of
 from vibrafeed.app.settings import Settings
 from vibrafeed.core.intake import prepare_content
 from waiting import PATIENCE, awaited
@@ -36,59 +39,39 @@ STUDY = {
 }
 
 
-class Future:
-    """Runs a function in a thread, or waits for a worker that is not there."""
-
-    def __init__(self, function: Callable[..., Any] | None, arguments: tuple[Any, ...] = ()):
-        self.key = uuid.uuid4().hex
-        waits = asyncio.sleep(1000)
-        self._task = asyncio.ensure_future(
-            waits if function is None else asyncio.to_thread(function, *arguments)
-        )
-        if function is not None:
-            waits.close()
-
-    def __await__(self) -> Any:
-        return self._task.__await__()
-
-    async def cancel(self) -> None:
-        self._task.cancel()
-
-
 class Workers:
-    """Stands for the cluster; `instead` takes the place of functions by their names."""
+    """Stands for the processes; `instead` takes the place of functions by their names."""
 
-    def __init__(self, count: int = 2, **instead: Callable[..., Any]):
-        self.count, self.instead = count, instead
-        self.calls: list[str] = []
-        self.restarted: list[str] = []
-        self.nannies = True
-        self.begun: Callable[[str, str, bool], object] = lambda key, worker, is_loaded: None
+    def __init__(self, **instead: Callable[..., Any]):
+        self.instead, self.calls = instead, []
+        self.fair_queue = FairQueue(3)
+        self.trouble: str | None = None
+        self.given_up: list[str] = []
+        self.cut_off: list[str] = []
 
-    async def client(self) -> Workers:
-        return self
+    async def prepare(self) -> None:
+        if self.trouble is not None:
+            raise LostError(self.trouble)
 
-    async def workers(self) -> int:
-        return self.count
-
-    async def close(self) -> None:
-        pass
-
-    def submit(self, call: object, module: str, name: str, *arguments: Any, pure: bool) -> Any:
+    async def __call__(
+        self, function: Any, *arguments: Any, began: Callable[[], Any], grace: float
+    ) -> Any:
+        name = function.__name__
         self.calls.append(name)
-        if self.count == 0:
-            return Future(None)
-        function = self.instead.get(name) or getattr(import_module(module), name)
-        future = Future(function, arguments)
-        for is_loaded in (False, True):
-            asyncio.get_running_loop().call_soon(self.begun, future.key, "worker", is_loaded)
-        return future
+        call = asyncio.create_task(
+            asyncio.to_thread(self.instead.get(name) or function, *arguments)
+        )
+        await began()
+        try:
+            return await asyncio.shield(call)
+        except asyncio.CancelledError:
+            self.given_up.append(name)
+            if not (await asyncio.wait({call}, timeout=grace))[0]:
+                self.cut_off.append(name)
+            raise
 
-    async def has_nanny(self, worker: str) -> bool:
-        return self.nannies
-
-    async def restart(self, worker: str) -> None:
-        self.restarted.append(worker)
+    def close(self) -> None:
+        pass
 
 
 Play = Callable[[Runner, Admission, Job], Coroutine[Any, Any, None]]
@@ -100,11 +83,11 @@ def carried_out(folder: Path, workers: Workers, play: Play | None = None, **sett
     async def scene() -> Job:
         limits = Settings(data_directory=folder, **settings)
         ledger, store = Ledger(folder / "jobs.sqlite3"), Store(folder)
-        runner = Runner(ledger, store, workers, limits)  # type: ignore[arg-type]
+        runner = Runner(ledger, store, workers, limits)
         admission = Admission(ledger, store, limits, runner.wake)
         await runner.start()
         try:
-            job = admission.post(prepare_content(STUDY), "simulate")
+            job = admission.post(task_of(prepare_content(STUDY), "simulate", limits))
             if play is not None:
                 await play(runner, admission, job)
             else:
@@ -123,53 +106,13 @@ def test_work_is_carried_out(tmp_path):
     workers = Workers()
     job = carried_out(tmp_path, workers)
     assert (job.state, job.done) == ("successful", job.blocks)
-    assert workers.calls == ["compute_blocks"] * job.blocks + ["write_result"]
+    assert workers.calls == ["missing_blocks", *["compute_block"] * job.blocks, "write_result"]
     assert Store(tmp_path).manifest(job.key) is not None
-
-
-def test_blocks_much_shorter_than_priced_share_calls(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
-    amplitude = {"start": "0.1 mm", "stop": "0.4 mm", "num": 400}
-    monkeypatch.setitem(STUDY["parameters"], "amplitude", amplitude)
-
-    def in_no_time(*arguments: Any) -> list[float]:
-        return [0.0] * len(work.compute_blocks(*arguments))
-
-    workers = Workers(compute_blocks=in_no_time)
-    job = carried_out(tmp_path, workers)
-    assert (job.state, job.blocks, job.done) == ("successful", 400, 400)
-    # Some at a time, but never more than leave as many for each of the calls under way.
-    assert 2 * workers.count < len(workers.calls) < 60
-
-
-def test_blocks_that_turn_out_long_are_given_back(tmp_path, monkeypatch):
-    """After a block's time a call begins with no other, and the rest is computed by others."""
-    monkeypatch.setattr("vibrafeed.app.jobs.work.cells_of_piece", lambda prepared, seconds: 1)
-    amplitude = {"start": "0.1 mm", "stop": "0.4 mm", "num": 60}
-    monkeypatch.setitem(STUDY["parameters"], "amplitude", amplitude)
-    asked: list[int] = []
-
-    def at_first_short(*arguments: Any) -> list[float]:
-        *others, indices, claim, _ = arguments
-        asked.append(len(indices))
-        is_short = len(asked) < 12
-        took = work.compute_blocks(*others, indices if is_short else indices[:1], claim)
-        return [0.0 if is_short else 1.0] * len(took)
-
-    job = carried_out(tmp_path, Workers(compute_blocks=at_first_short))
-    assert (job.state, job.blocks, job.done) == ("successful", 60, 60)
-    assert max(asked) > 1
-    assert asked[-1] == 1
-
-
-def test_no_block_begins_after_the_time_of_a_call(tmp_path, monkeypatch):
-    monkeypatch.setattr(work, "compute_block", lambda *_: 0.4)
-    assert work.compute_blocks("", "", "sweep", 1, range(9), "", 1.0) == [0.4] * 3
 
 
 def test_time_runs_out_while_a_block_runs(tmp_path):
     done = threading.Event()
-    workers = Workers(1, compute_blocks=lambda *_: done.wait(PATIENCE))
+    workers = Workers(compute_block=lambda *_: float(done.wait(PATIENCE)))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "failed")
@@ -181,130 +124,75 @@ def test_time_runs_out_while_a_block_runs(tmp_path):
     assert "Post its study again" in job.problem["detail"]
 
 
-def test_time_does_not_run_out_while_a_job_waits_and_it_says_for_what(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.executor.LOOK_AT_WORKERS", 0.1)
-    workers = Workers(0)
+def test_a_job_waits_for_workers_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
+    workers = Workers()
+    workers.trouble = "there are no workers"
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
-        await awaited(lambda: runner.waits() == "there are no workers")
-        await asyncio.sleep(0.6)  # longer than it may run
+        await awaited(lambda: bool(runner._active))
+        assert runner.waits() == runner.fault() == "there are no workers"
         found = admission.ledger.job(job.id)
         assert found is not None
         assert (found.state, found.started) == ("accepted", None)
+        workers.trouble = None
+        assert runner.fault() is None
+        await awaited(lambda: admission.ledger.job(job.id).state == "successful")
 
     carried_out(tmp_path, workers, play, max_job_seconds=0.5)
 
 
-def test_a_worker_that_does_not_stop_what_was_dismissed_is_killed(tmp_path):
+@pytest.mark.parametrize(("grace", "cut_off"), [(0.1, ["compute_block"]), (PATIENCE, [])])
+def test_what_was_dismissed_has_a_time_to_end(tmp_path, grace, cut_off):
     done = threading.Event()
-    workers = Workers(1, compute_blocks=lambda *_: done.wait(PATIENCE))
+    workers = Workers(compute_block=lambda *_: float(done.wait(PATIENCE)))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "running")
         admission.dismiss(job.id)
-        await awaited(lambda: workers.restarted == ["worker"])
+        await awaited(lambda: bool(workers.given_up))
+        if cut_off:
+            await awaited(lambda: not runner._active)
         done.set()
-
-    carried_out(tmp_path, workers, play, grace_seconds=0.2)
-
-
-def test_a_worker_without_a_nanny_is_waited_for(tmp_path, caplog):
-    done = threading.Event()
-    workers = Workers(1, compute_blocks=lambda *_: done.wait(PATIENCE))
-    workers.nannies = False
-
-    async def play(runner: Runner, admission: Admission, job: Job) -> None:
-        await awaited(lambda: admission.ledger.job(job.id).state == "running")
-        admission.dismiss(job.id)
-        await awaited(lambda: "has no nanny" in caplog.text)
-        assert runner._dispatcher.executor._ending  # its place is taken
-        done.set()
-        await awaited(lambda: not runner._dispatcher.executor._ending)
-
-    carried_out(tmp_path, workers, play, grace_seconds=0.1)
-    assert workers.restarted == []
-
-
-def test_a_worker_that_stops_in_time_is_left_alone(tmp_path):
-    done = threading.Event()
-    workers = Workers(1, compute_blocks=lambda *_: done.wait(PATIENCE))
-
-    async def play(runner: Runner, admission: Admission, job: Job) -> None:
-        await awaited(lambda: admission.ledger.job(job.id).state == "running")
-        admission.dismiss(job.id)
         await awaited(lambda: not runner._active)
-        done.set()
-        await awaited(lambda: not runner._dispatcher.executor._ending)
+        assert not runner._workers.fair_queue.taken
 
-    carried_out(tmp_path, workers, play)
-    assert workers.restarted == []
+    carried_out(tmp_path, workers, play, grace_seconds=grace)
+    assert workers.cut_off == cut_off
+
+
+def test_a_block_that_takes_its_workers_down_fails_its_job(tmp_path):
+    def dies(*_: Any) -> None:
+        raise EndedError("it died")
+
+    workers = Workers(compute_block=dies)
+    job = carried_out(tmp_path, workers)
+    assert (job.problem["status"], job.problem["title"]) == (500, "The study crashes its workers")
+    assert workers.calls == ["missing_blocks", *MAX_DEATHS * ["compute_block"]]
 
 
 def test_a_worker_without_the_shared_files_is_told(tmp_path):
-    def blind(directory: str, *arguments: Any) -> list[float]:
-        return work.compute_blocks(str(tmp_path / "elsewhere"), *arguments)
+    def blind(directory: str, *arguments: Any) -> float:
+        return work.compute_block(str(tmp_path / "elsewhere"), *arguments)
 
-    job = carried_out(tmp_path, Workers(compute_blocks=blind))
+    job = carried_out(tmp_path, Workers(compute_block=blind))
     assert (job.problem["status"], job.problem["kind"]) == (500, "workers")
     assert job.problem["title"] == "A worker does not see the data directory"
     assert "VIBRAFEED_DATA_DIRECTORY" in job.problem["detail"]
 
 
-def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.executor.LOOK_AT_WORKERS", 0.1)
-
-    async def play(runner: Runner, admission: Admission, job: Job) -> None:
-        assert runner.fault() is None
-        await awaited(lambda: runner.fault() == "there are no workers")
-        admission.dismiss(job.id)
-        await awaited(lambda: runner.fault() is None)
-
-    carried_out(tmp_path, Workers(0), play, lease_seconds=0.4)
-
-
-def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.executor.LOOK_AT_WORKERS", 0.1)
-    go_on = threading.Event()
-    workers = Workers(1, compute_blocks=lambda *_: go_on.wait(PATIENCE))
-
-    async def play(runner: Runner, admission: Admission, job: Job) -> None:
-        await awaited(lambda: "compute_blocks" in workers.calls)
-        assert runner.fault() is None
-        workers.count = 0
-        await awaited(lambda: runner.fault() == "there are no workers")
-        workers.count = 1
-        await awaited(lambda: runner.fault() is None)
-        go_on.set()
-
-    carried_out(tmp_path, workers, play)
-
-
-def test_a_scheduler_that_goes_away_is_no_failure_of_the_job(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
-    workers = Workers()
-    count, asked = workers.workers, []
-
-    async def gone() -> int:
-        asked.append(True)
-        if len(asked) == 1:
-            raise OSError("the scheduler is gone")
-        return await count()
-
-    monkeypatch.setattr(workers, "workers", gone)
-    assert carried_out(tmp_path, workers).state == "successful"
-    assert len(asked) > 1
-
-
 def test_a_dismissal_is_noticed_soon(tmp_path):
     """By another server, which cannot wake this one, and long before the lease is renewed."""
+    done = threading.Event()
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
-        await awaited(lambda: bool(runner._active))
-        await asyncio.sleep(0.1)
+        await awaited(lambda: admission.ledger.job(job.id).state == "running")
         admission.ledger.dismiss(job.id)
-        assert await awaited(lambda: not runner._active) < 2.5
+        await awaited(lambda: not runner._active)
+        done.set()
 
-    carried_out(tmp_path, Workers(0), play, lease_seconds=600)
+    workers = Workers(compute_block=lambda *_: float(done.wait(PATIENCE)))
+    carried_out(tmp_path, workers, play, lease_seconds=600, grace_seconds=0.1)
 
 
 def test_a_ledger_that_is_held_for_long_fails_no_job(tmp_path, monkeypatch):
@@ -336,7 +224,7 @@ def test_a_runner_stops_though_it_is_woken_at_that_moment(tmp_path):
         limits = Settings(data_directory=tmp_path)
         ledger, store = Ledger(tmp_path / "jobs.sqlite3"), Store(tmp_path)
         for fair_queue in range(6):  # of the event loop between both
-            runner = Runner(ledger, store, Workers(), limits)  # type: ignore[arg-type]
+            runner = Runner(ledger, store, Workers(), limits)
             await runner.start()
             await asyncio.sleep(0.1)
             runner._wake.set()
@@ -374,17 +262,17 @@ def test_too_many_open_files_fail_no_job(tmp_path, monkeypatch):
     monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
     open_files = [OSError(errno.EMFILE, "Too many open files")]
 
-    def full(*arguments: Any) -> list[float]:
+    def full(*arguments: Any) -> float:
         if open_files:
             raise open_files.pop()
-        return work.compute_blocks(*arguments)
+        return work.compute_block(*arguments)
 
-    assert carried_out(tmp_path, Workers(compute_blocks=full)).state == "successful"
+    assert carried_out(tmp_path, Workers(compute_block=full)).state == "successful"
 
 
 def test_a_study_of_another_version_is_told(tmp_path):
     def other(*arguments: Any) -> float:
         raise OtherVersionError("Post it again.")
 
-    job = carried_out(tmp_path, Workers(compute_blocks=other))
+    job = carried_out(tmp_path, Workers(compute_block=other))
     assert (job.problem["status"], job.problem["kind"]) == (409, "version")

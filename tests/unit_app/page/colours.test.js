@@ -1,51 +1,50 @@
-// Colours change only as much as values do: no scale flips where values change their sign.
+// Colours change only as much as values do, in steps at round values, both signs on one scale.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { scaleOf } from "../../../app/page/modules/colours.js";
+import { bandOf, scaleOf } from "../../../app/page/modules/colours.js";
 
-function colourAt({ low, high, lut, steps }, value) {
-  const at = 3 * Math.round(((value - low) / (high - low)) * (steps - 1));
-  return [...lut.slice(at, at + 3)];
-}
+const colourAt = (scale, value) => scale.bands[bandOf(scale, value)];
+const light = (colour) => colour.reduce((sum, part) => sum + part, 0);
 
-const apart = (one, other) => Math.max(...one.map((part, c) => Math.abs(part - other[c])));
-// A step of the table, and the 2 % of the scale that the least value moves.
-const CLOSE = 20;
-
-test("the ends are those of the values", () => {
-  const { low, high } = scaleOf([3, 1, 2, NaN]);
-  assert.deepEqual([low, high], [1, 3]);
+test("steps are round, and hold all values", () => {
+  const { low, high, step, bands } = scaleOf([13, 287, 120, NaN]);
+  assert.deepEqual([low, high, step], [0, 300, 20]);
+  assert.equal(bands.length, 15);
+  assert.deepEqual([scaleOf([41, 59]).low, scaleOf([41, 59]).high], [41, 59]);
 });
 
 test("nothing to draw has no scale", () => assert.equal(scaleOf([NaN, Infinity]), null));
 
 test("a constant has a colour", () => {
-  const { low, high } = scaleOf([5, 5, 5]);
-  assert.ok(low < 5 && high > 5);
-});
-
-test("a scale that reaches a little below 0 has the colours of one that does not", () => {
-  const before = scaleOf([0, 100, 200, 300]);
-  for (const least of [-1e-12, -1, -5]) {
-    const after = scaleOf([least, 100, 200, 300]);
-    for (const value of [0, 100, 200, 300]) {
-      assert.ok(apart(colourAt(before, value), colourAt(after, value)) <= CLOSE, `${value} with ${least}`);
-    }
+  for (const value of [5, 0, -3]) {
+    const scale = scaleOf([value, value]);
+    assert.ok(scale.low <= value && scale.high > value && colourAt(scale, value));
   }
 });
 
-test("both sides of 0 have the same measure, and colours of their own", () => {
-  const scale = scaleOf([-50, 0, 100]);
-  assert.ok(apart(colourAt(scale, 0), [68, 1, 84]) <= CLOSE);
-  assert.ok(colourAt(scale, 100)[1] > 200); // yellow
-  const [red, , blue] = colourAt(scale, -50);
-  assert.ok(red > blue); // warm
-  assert.ok(apart(colourAt(scale, -50), colourAt(scale, 50)) > 60);
+test("both sides of zero get darker alike, each in a colour of its own", () => {
+  const scale = scaleOf([-300, -50, 0, 300]);
+  for (const value of [60, 130, 290]) {
+    const [forwards, backwards] = [colourAt(scale, value), colourAt(scale, -value)];
+    assert.ok(forwards[2] > forwards[0], "blue");
+    assert.ok(backwards[0] > backwards[2], "orange");
+    assert.ok(light(forwards) < light(colourAt(scale, value - 60)));
+    assert.ok(light(backwards) < light(colourAt(scale, 60 - value)));
+  }
+  assert.ok(light(colourAt(scale, 0)) > 680, "zero is light");
 });
 
-test("one value that sticks out far does not take the colours of all others", () => {
-  const { high } = scaleOf([...Array.from({ length: 1000 }, (_, i) => i / 1000), 1e6]);
-  assert.ok(high < 2);
+test("values of one sign begin at zero where that is near", () => {
+  assert.equal(scaleOf([20, 100]).low, 0);
+  assert.equal(scaleOf([-100, -20]).high, 0);
+});
+
+test("what sticks out far is cut", () => {
+  const values = Array.from({ length: 1000 }, (_, i) => i / 1000);
+  values.push(1e6);
+  const scale = scaleOf(values);
+  assert.ok(scale.high < 2);
+  assert.deepEqual(colourAt(scale, 1e6), scale.bands.at(-1));
 });

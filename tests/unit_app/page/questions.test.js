@@ -13,7 +13,7 @@ test("a link names each question, and what it begins with comes back", () => {
     const { wanted, complaints } = fromLink(toLink(view));
     assert.deepEqual(complaints, []);
     assert.equal(wanted.question, question);
-    for (const name of ["kind", "scene", "output", "runs", "band", "set", "point"]) {
+    for (const name of ["kind", "scene", "output", "runs", "band", "set"]) {
       assert.deepEqual(wanted[name], view[name], `${question}: ${name}`);
     }
   }

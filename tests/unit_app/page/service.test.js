@@ -5,7 +5,7 @@ import { test } from "node:test";
 
 globalThis.document = { baseURI: "http://127.0.0.1/" };
 globalThis.sessionStorage = { getItem: () => null };
-const { cancelled, carryOut } = await import("../../../app/page/modules/service.js");
+const { left, carryOut } = await import("../../../app/page/modules/service.js");
 
 test("a job that is left is dismissed as soon as the service answers", async (context) => {
   context.mock.timers.enable({ apis: ["setTimeout"] });
@@ -19,7 +19,7 @@ test("a job that is left is dismissed as soon as the service answers", async (co
       if (refusals-- > 0) throw new TypeError("the service is away");
       return new Response("{}");
     }
-    abort.abort(cancelled()); // while its events are listened to
+    abort.abort(left()); // while its events are listened to
     signal.throwIfAborted();
   };
   const done = carryOut("simulate", {}, { tell: ({ status }) => told.push(status), signal: abort.signal });
@@ -45,9 +45,9 @@ test("a job whose reply is on its way as it is left is dismissed, too", async ()
   };
   const dismissed = new Promise((done) => {
     const tell = ({ status }) => done(status);
-    const left = carryOut("simulate", {}, { tell, signal: abort.signal });
-    abort.abort(cancelled());
-    return assert.rejects(left, { name: "AbortError" }).then(() => answer(new Response(JSON.stringify(job), { status: 201 })));
+    const leaving = carryOut("simulate", {}, { tell, signal: abort.signal });
+    abort.abort(left());
+    return assert.rejects(leaving, { name: "AbortError" }).then(() => answer(new Response(JSON.stringify(job), { status: 201 })));
   });
   assert.equal(await dismissed, "dismissed");
   assert.deepEqual(asked, ["POST", "DELETE"]);

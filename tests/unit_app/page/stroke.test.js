@@ -14,8 +14,7 @@ const VIEW = {
   output: "conveying_velocity",
   x: { name: "beta", from: 5, to: 60 },
   y: { name: "amplitude", from: 0.0001, to: 0.001 },
-  values: { frequency: 50 },
-  point: { x: 20, y: 0.0005 },
+  values: { frequency: 50, beta: 20, amplitude: 0.0005 },
   pins: [{ amplitude: 0.00025, beta: 10 }],
   best: { ...usualBest(), vary: [{ name: "amplitude", from: 0.0001, to: 0.0004 }] },
 };
@@ -25,7 +24,7 @@ test("each amplitude is doubled, and all else is as it was", () => {
   const patch = restated(VIEW, "stroke");
   assert.deepEqual(patch.y, { name: "peak_to_peak", from: 0.0002, to: 0.002 });
   assert.deepEqual(patch.x, VIEW.x);
-  assert.deepEqual(patch.point, { x: 20, y: 0.001 });
+  assert.deepEqual(patch.values, { frequency: 50, beta: 20, peak_to_peak: 0.001 });
   assert.deepEqual(patch.pins, [{ peak_to_peak: 0.0005, beta: 10 }]);
   assert.deepEqual(patch.best.vary, [{ name: "peak_to_peak", from: 0.0002, to: 0.0008 }]);
   const back = restated({ ...VIEW, ...patch }, null);
@@ -36,5 +35,5 @@ test("the choice is there for a sine of a scene that takes both", () => {
   assert.ok(hasChoice(VIEW, scene));
   assert.ok(!hasChoice({ ...VIEW, set: "ellipse" }, scene));
   assert.ok(!hasChoice(VIEW, { parameters: [{ name: "amplitude" }] }));
-  assert.ok(!hasChoice({ ...VIEW, y: null }, scene));
+  assert.ok(!hasChoice({ ...VIEW, y: null, values: {} }, scene));
 });

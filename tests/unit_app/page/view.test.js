@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { usualBest } from "../../../app/page/modules/criterion.js";
-import { fromLink, givenValues, toLink, typical, unusual, usual } from "../../../app/page/modules/view.js";
+import { designOf, fromLink, givenValues, pictureOf, toLink, typical, unusual, usual } from "../../../app/page/modules/view.js";
 
 const VIEW = {
   question: "drive",
@@ -14,9 +14,8 @@ const VIEW = {
   output: "conveying_velocity",
   x: { name: "amplitude", from: 1e-4, to: 7e-4 },
   y: null,
-  values: { frequency: 50, friction: 0.1 + 0.2 },
+  values: { amplitude: 0.0002, frequency: 50, friction: 0.1 + 0.2 },
   band: { name: "friction", share: 0.2 },
-  point: { x: 0.00035, y: null },
   set: "ellipse",
   runs: [[0.0001, 0.0035], [0.0002, 0.0076]],
   pins: [{ amplitude: 0.0001, friction: 0.2 }],
@@ -26,7 +25,7 @@ const VIEW = {
 test("a link restores its view to the last digit", () => {
   const { wanted, complaints } = fromLink(toLink(VIEW));
   assert.deepEqual(complaints, []);
-  for (const name of ["question", "kind", "scene", "output", "x", "y", "band", "point", "best", "set", "runs"]) {
+  for (const name of ["question", "kind", "scene", "output", "x", "y", "band", "best", "set", "runs"]) {
     assert.deepEqual(wanted[name], VIEW[name], name);
   }
   assert.deepEqual({ ...wanted.values }, VIEW.values);
@@ -34,10 +33,27 @@ test("a link restores its view to the last digit", () => {
   assert.equal(toLink({ ...VIEW, ...wanted }), toLink(VIEW));
 });
 
+test("a link of before, with a point, has the values of the point", () => {
+  const { wanted, complaints } = fromLink("#x=amplitude:0.0001:0.001&y=beta:0:60&point=0.0003:30&p.friction=0.2");
+  assert.deepEqual(complaints, []);
+  assert.deepEqual({ ...wanted.values }, { amplitude: 0.0003, beta: 30, friction: 0.2 });
+  assert.deepEqual({ ...fromLink("#x=beta:0:60&y=&point=30:").wanted.values }, { beta: 30 });
+});
+
+test("pictures differ by what is no axis, designs by every value", () => {
+  const other = { ...VIEW, values: { ...VIEW.values, amplitude: 0.0003 } };
+  assert.equal(pictureOf(other), pictureOf(VIEW));
+  assert.notEqual(designOf(other), designOf(VIEW));
+});
+
+test("a value that its question begins with is not unusual", () => {
+  assert.equal(unusual({ name: "load", unit: "1", example: 1 }, 9, 9), "");
+});
+
 test("each part of a link that makes no sense is said once", () => {
   for (const link of [
     "#question=why", "#x=beta", "#x=beta:5:5", "#x=beta:9:1", "#p.beta=", "#p.beta=1e999", "#band=beta:2",
-    "#point=here", `#${"x".repeat(5000)}`, "#best=fastest", "#best=limit&limit=-1",
+    `#${"x".repeat(5000)}`, "#best=fastest", "#best=limit&limit=-1",
     "#set=none", "#runs=1:2", "#runs=1,2", "#pin=amplitude", "#pin=a:1&pin=b:x",
   ]) {
     assert.equal(fromLink(link).complaints.length, 1, link);
@@ -53,7 +69,7 @@ test("names that every object has are names like others", () => {
 test("a value that a parameter has by itself is not unusual", () => {
   const restitution = { name: "restitution", unit: "1", default: 0, usual: [0.1, 1] };
   assert.equal(unusual(restitution, 0), "");
-  assert.match(unusual(restitution, 0.05), /Outside the usual/);
+  assert.match(unusual(restitution, 0.05), /^Below the usual/);
 });
 
 test("what is usual lies within the bounds, in order", () => {
@@ -77,6 +93,6 @@ test("a value that is the service's own is not given", () => {
 test("a value outside of what is usual is said, in the unit of the page", () => {
   const amplitude = { name: "amplitude", unit: "m", example: 0.0005 };
   assert.equal(unusual(amplitude, 0.0005), "");
-  assert.equal(unusual(amplitude, 0.005), "Outside the usual 0.1\u00a0mm to 1\u00a0mm.");
-  assert.equal(unusual({ name: "friction", unit: "1", usual: [0.05, 0.6] }, 0.01), "Outside the usual 0.05 to 0.6.");
+  assert.equal(unusual(amplitude, 0.005), "Above the usual 0.1\u00a0mm to 1\u00a0mm.");
+  assert.equal(unusual({ name: "friction", unit: "1", usual: [0.05, 0.6] }, 0.01), "Below the usual 0.05 to 0.6.");
 });

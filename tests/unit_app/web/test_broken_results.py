@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sqlite3
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -242,3 +243,25 @@ class TestSound:
             for thread in asked:
                 thread.join(PATIENCE)
         assert [reply.status_code for reply in replies] == [200] * 12
+
+
+def test_a_damaged_ledger_is_503_and_not_ready(tmp_path):
+    settings = Settings(data_directory=tmp_path, workers=1)
+    app = create_app(settings)
+    with local_client(app, raise_server_exceptions=False) as client:
+        assert client.get("/readyz").status_code == 200
+        assert client.get("/jobs").status_code == 200
+        database = app.state.admission.ledger.database
+        malformed = sqlite3.DatabaseError("database disk image is malformed")
+        malformed.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
+
+        def fail(*_):
+            raise malformed
+
+        database._engine().dialect.do_execute = fail
+        assert problem(client.get("/jobs"), 503)["detail"] == "The ledger is damaged."
+        del database._engine().dialect.do_execute
+        assert client.get("/jobs").status_code == 200
+        (error,) = problem(client.get("/readyz"), 503)["errors"]
+        assert error["message"] == "The ledger is damaged: restore the backup."
+        assert client.get("/healthz").status_code == 200

@@ -6,7 +6,7 @@ import numpy as np
 
 import vibrafeed
 from recordings import DRIVE, csv_of, signal_of
-from vibrafeed.core.intake.recorded import MAX_ROWS_SENT
+from vibrafeed.core.intake.section import MAX_ROWS_SENT
 
 PATH = "/processes/simulate/execution"
 TEXT = csv_of(signal_of(DRIVE))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import sqlite3
 import tempfile
 import threading
 import time
@@ -19,10 +20,9 @@ from local_client import local_client
 from posted_sweeps import STUDY
 from vibrafeed import core
 from vibrafeed.app.jobs.ledger import Work
-from vibrafeed.app.jobs.work_progress import WorkProgress
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_for
 
 
 @pytest.fixture
@@ -56,6 +56,32 @@ def test_requests_are_counted_by_route_and_timed(client):
     assert found["vibrafeed_request_seconds_sum", "GET", "/scenes/{name}"] > 0
 
 
+def test_refusals_are_counted_by_their_cause(client):
+    for _ in range(2):
+        client.post("/sweeps", content=b" " * 2_000_000)
+    client.get("/scenes/nowhere")
+    found = figures(client)
+    assert found["vibrafeed_refusals_total", "body"] == 2
+    assert found["vibrafeed_refusals_total", "not-found"] == 1
+
+
+def test_the_delay_of_the_event_loop_is_measured(client):
+    with client:
+        wait_for(lambda: figures(client)["vibrafeed_loop_delay_seconds_count",] >= 2)
+
+
+def test_without_a_ledger_the_other_figures_are_there(client, monkeypatch):
+    ledger = client.app.state.admission.ledger
+
+    def away(statement: object) -> NoReturn:
+        raise sqlite3.DatabaseError("database disk image is malformed")
+
+    monkeypatch.setattr(ledger, "_read", away)
+    found = figures(client)
+    assert found["vibrafeed_disk_quota_bytes",] > 0
+    assert ("vibrafeed_oldest_waiting_seconds",) not in found
+
+
 def test_clients_cannot_make_new_labels(client):
     before = len(figures(client))
     figures(client)
@@ -65,10 +91,11 @@ def test_clients_cannot_make_new_labels(client):
         client.request(f"WORD{number}", "/scenes")
     more = len(figures(client)) - settled
     assert before <= settled
-    # Two pairs of method and route: a counter with its time of creation, a histogram with its own.
+    # Two pairs of method and route: a counter with its time of creation, a histogram with its own;
+    # and one cause.
     one = settled - before
     assert one > 0
-    assert more == 2 * one
+    assert more == 2 * one + 2
 
 
 def test_requests_under_way_are_counted_while_they_are(client):
@@ -145,7 +172,7 @@ def test_version_workers_and_disk_are_told(client):
     settings = client.app.state.settings
     found = figures(client)
     assert found["vibrafeed_info", core.__version__] == 1
-    assert found["vibrafeed_workers",] == 0  # none before the first job
+    assert found["vibrafeed_workers",] >= 1  # one has read the study
     assert found["vibrafeed_disk_used_bytes",] == client.app.state.store.bytes(key) > 0
     assert found["vibrafeed_disk_quota_bytes",] == settings.disk_quota_bytes
     assert found["vibrafeed_disk_free_bytes",] > 0
@@ -153,17 +180,15 @@ def test_version_workers_and_disk_are_told(client):
 
 def test_blocks_and_work_are_timed(client):
     item = Work("key", "sweep", 1, 2, 0.0, "owner")
-    work_progress = WorkProgress()
-    work_progress.witnesses.append(client.app.state.metrics)
-    work_progress.began(item)
-    work_progress.computed(item, [0.25, 2.0])
-    work_progress.ended(item, "done")
-    work_progress.ended(item, "interrupted")  # it has ended before
+    metrics = client.app.state.metrics
+    metrics.began(item)
+    metrics.computed(item, 0.25)
+    metrics.computed(item, 2.0)
+    metrics.ended(item, "done", 2.25)
     found = figures(client)
     assert found["vibrafeed_block_seconds_count", "sweep"] == 2
     assert found["vibrafeed_block_seconds_sum", "sweep"] == 2.25
     assert found["vibrafeed_work_seconds_count", "done", "sweep"] == 1
-    assert ("vibrafeed_work_seconds_count", "interrupted", "sweep") not in found
 
 
 class TestReadiness:

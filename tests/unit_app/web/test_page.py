@@ -7,10 +7,12 @@ import hashlib
 import importlib
 import mimetypes
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 
+from access import give_key
 from local_client import local_client
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
@@ -45,9 +47,20 @@ def test_the_page_runs_scripts_of_its_own_files_only(client):
         assert not re.search(r"<script(?![^>]*\bsrc=)|<style|\son[a-z]+=|\sstyle=", text)
 
 
+def test_a_wheel_with_a_bundle_sends_it_in_place_of_the_entry(tmp_path, monkeypatch):
+    folder = tmp_path / "page"
+    shutil.copytree(PAGE, folder)
+    (folder / "bundle.js").write_text("// all modules")
+    monkeypatch.setattr(page, "FILES", folder)
+    monkeypatch.setattr(page, "BUNDLE", folder / "bundle.js")
+    client = local_client(create_app(Settings(data_directory=tmp_path / "data")))
+    assert client.get("/page/modules/main.js").text == "// all modules"
+    assert "import" in client.get("/page/modules/answers.js").text
+
+
 def test_the_page_needs_no_key_and_what_it_asks_does(tmp_path):
-    hashes = [hashlib.sha256(b"secret").hexdigest()]
-    client = local_client(create_app(Settings(data_directory=tmp_path, api_key_hashes=hashes)))
+    give_key(tmp_path)
+    client = local_client(create_app(Settings(data_directory=tmp_path)))
     assert client.get("/", headers=BROWSER).status_code == 200
     assert client.get("/page/page.css").status_code == 200
     assert client.get("/scenes").status_code == 401
@@ -66,7 +79,7 @@ def test_libraries_are_what_they_were_published_as():
     listed = dict(
         reversed(line.split()) for line in (vendor / "SHA256SUMS").read_text().splitlines()
     )
-    files = [path for path in vendor.iterdir() if path.suffix in (".js", ".css")]
+    files = [path for path in vendor.iterdir() if path.suffix in (".js", ".mjs", ".css")]
     assert {path.name for path in files} == set(listed)
     for path in files:
         assert hashlib.sha256(path.read_bytes()).hexdigest() == listed[path.name]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
+import json
 import sqlite3
 import subprocess
 import sys
@@ -17,7 +19,7 @@ from local_client import local_client
 from posted_sweeps import STUDY
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from vibrafeed.app.web.calculations import price_study
+from vibrafeed.app.web.calculations import read_task
 from vibrafeed.app.web.routes import processes
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
@@ -52,10 +54,49 @@ def problem(response, status: int = 422) -> dict:
 
 def test_health(client):
     assert client.get("/healthz").json()["status"] == "ok"
-    for path in ("/", "/healthz", "/readyz"):
+
+
+def test_head_is_answered_wherever_get_is(client):
+    for path, operations in client.get("/openapi.json").json()["paths"].items():
+        if "get" in operations:
+            assert client.head(path).status_code != 405, path
+    for path in ("/", "/healthz", "/readyz", "/scenes", "/processes/sweep", "/jobs"):
         head = client.head(path)
         assert head.status_code == client.get(path).status_code
         assert head.headers["content-type"] == client.get(path).headers["content-type"]
+    number = client.post(
+        "/processes/sweep/execution", json=STUDY, headers={"Prefer": "respond-async"}
+    ).json()["jobID"]
+    assert "content-length" not in client.head(f"/jobs/{number}/events").headers
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "allowed"),
+    [
+        ("PUT", "/jobs/x", "DELETE, GET, HEAD, PATCH"),
+        ("PUT", "/sweeps/x", "GET, HEAD, PATCH"),
+        ("GET", "/processes/sweep/execution", "POST"),
+        ("POST", "/page/page.css", "GET, HEAD"),
+    ],
+)
+def test_a_method_that_is_not_allowed_lists_those_that_are(client, method, path, allowed):
+    reply = client.request(method, path)
+    problem(reply, 405)
+    assert reply.headers["allow"] == allowed
+
+
+def test_a_coded_body_is_refused_and_a_mark_of_utf_8_accepted(client):
+    body = json.dumps(STUDY).encode()
+    for path in ("/sweeps", "/processes/sweep/execution", "/convert?to=json"):
+        coded = client.post(path, content=body, headers={"Content-Encoding": "gzip"})
+        assert "Content-Encoding" in problem(coded, 415)["detail"]
+    assert client.post("/sweeps", content=codecs.BOM_UTF8 + body).status_code == 201
+
+
+def test_a_number_of_very_many_digits_is_told_in_our_words(client):
+    body = b'{"parameters": {"friction": ' + b"1" * 15_000 + b"}}"
+    (error,) = problem(client.post("/sweeps", content=body))["errors"]
+    assert error["message"] == "it is a number larger than 1.8e308"
 
 
 def test_the_schema_is_made_once_and_sent_to_whom_has_it_not(client, monkeypatch):
@@ -262,9 +303,8 @@ def test_a_ledger_that_another_process_holds_is_asked_again(client, tmp_path, mo
     assert client.get("/jobs").status_code == 200
 
 
-def test_unknown_routes_and_methods_get_problem_documents(client):
+def test_unknown_routes_get_problem_documents(client):
     problem(client.get("/nowhere"), 404)
-    problem(client.delete("/scenes"), 405)
 
 
 def test_importing_the_app_builds_nothing(tmp_path):
@@ -327,7 +367,7 @@ class TestSimulation:
         assert found[0]["place"] == "outputs"
         for body, place in (
             ({"inputs": {}}, "inputs.study"),
-            ({"inputs": []}, "inputs.study"),
+            ({"inputs": []}, "inputs"),
             ({**SIMULATION, "kind": "sweep"}, "kind"),
             ([1], "study"),
         ):
@@ -349,7 +389,7 @@ class TestSimulation:
             patience = processes.calculate_in_process
 
             async def patient(request, function, *arguments, seconds):
-                seconds = 300 if function is price_study else seconds
+                seconds = 300 if function is read_task else seconds
                 return await patience(request, function, *arguments, seconds=seconds)
 
             monkeypatch.setattr(processes, "calculate_in_process", patient)
@@ -358,6 +398,27 @@ class TestSimulation:
             assert reply.status_code == 201, reply.text
             assert reply.headers["location"].endswith(f"/jobs/{reply.json()['jobID']}")
             assert problem(client.post(self.PATH, json={**SIMULATION, "outputs": ["x"]}))["errors"]
+
+    def test_what_becomes_a_job_is_read_by_a_process_of_the_pool(self, client, monkeypatch):
+        def refuse(*_):
+            raise AssertionError("the server reads a study")
+
+        monkeypatch.setattr("vibrafeed.app.web.calculations.prepare_content", refuse)
+        monkeypatch.setattr("vibrafeed.app.jobs.studies.prepare_content", refuse)
+        wish = {"Prefer": "respond-async"}
+        assert client.post(self.PATH, json=SIMULATION, headers=wish).status_code == 201
+        assert client.post("/sweeps", json=STUDY).status_code == 201
+        assert problem(client.post(self.PATH, json={}, headers=wish))["errors"]
+
+    def test_a_job_is_posted_though_its_owner_computes_all_it_may(self, settings):
+        app = create_app(settings.model_copy(update={"workers": 2}))
+        with local_client(app) as client:
+            queue = app.state.process_pool.fair_queue
+            held = [client.portal.call(queue._take, "testclient", 0.0) for _ in range(2)]
+            wish = {"Prefer": "respond-async"}
+            assert client.post(self.PATH, json=SIMULATION, headers=wish).status_code == 201
+            for slot in held:
+                client.portal.call(queue._leave, slot)
 
     def test_many_at_a_time(self, client):
         with ThreadPoolExecutor(8) as pool:

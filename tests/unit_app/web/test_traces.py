@@ -74,7 +74,7 @@ def test_request_job_and_blocks_share_a_trace(receiver, tmp_path):
         number = client.post(path, json=STUDY, headers=parent).json()["jobID"]
         wait_for(lambda: client.get(f"/jobs/{number}").json()["status"] == "successful")
     ours = {span.name: span for span in spans(receiver) if span.trace_id.hex() == TRACE}
-    request = ours["POST /processes/sweep/execution"]
+    request = ours["POST /processes/{process}/execution"]
     assert request.parent_span_id.hex() == "b7ad6b7169203331"
     assert ours["work sweep"].parent_span_id == request.span_id
     assert ours["block"].parent_span_id == ours["work sweep"].span_id

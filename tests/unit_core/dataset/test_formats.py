@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -16,8 +17,15 @@ import xarray
 
 from results import check_same, rows, table_of_motion, written
 from vibrafeed.core.dataset import matlab, workbook
-from vibrafeed.core.dataset.formats import FORMATS, read_result, suffix_of, write_result
+from vibrafeed.core.dataset.files import Storage
+from vibrafeed.core.dataset.formats import (
+    FORMATS,
+    read_result,
+    suffix_of,
+    write_result,
+)
 from vibrafeed.core.dataset.frame import Frame
+from vibrafeed.core.dataset.limits import Size
 from vibrafeed.core.dataset.matlab import names_in_matlab
 from vibrafeed.core.dataset.table import Table, TableVariable
 from vibrafeed.core.errors import LimitError, MissingPackageError, VibrafeedError
@@ -60,6 +68,15 @@ def awkward() -> Table:
 
 def test_pandas_reads_csv(places, motion):
     found = pandas.read_csv(places[".csv"])
+    check_same(found, rows(motion, with_units=True))
+
+
+def test_pandas_reads_csv_for_excel_in_europe(motion, tmp_path):
+    place = tmp_path / "x.csv"
+    write_result(motion, str(place), history="", storage=Storage(csv_style="excel"))
+    assert place.read_bytes().startswith(b"\xef\xbb\xbfamplitude [m];")
+    assert place.read_bytes().count(b"\xef\xbb\xbf") == 1
+    found = pandas.read_csv(place, sep=";", decimal=",")
     check_same(found, rows(motion, with_units=True))
 
 
@@ -122,18 +139,12 @@ def test_xarray_reads_netcdf_and_zarr(places, motion, suffix, engine):
 
 
 def test_what_csv_cannot_hold_stands_beside_it(places, motion):
-    beside = places[".csv"].with_name("result.csv-metadata.json")
-    told = json.loads(beside.read_text())
-    assert told["@context"] == "http://www.w3.org/ns/csvw"
-    assert told["url"] == "result.csv"
-    columns = {one["name"]: one for one in told["tableSchema"]["columns"]}
-    heads = places[".csv"].read_text().splitlines()[0].split(",")
-    assert [one["titles"] for one in columns.values()] == heads
-    assert columns["beta"]["schema:unitText"] == "degree"
-    assert columns["beta"]["dc:description"] == "Elevation of the drive above the floor plane."
-    assert (columns["beta"]["datatype"], columns["regime"]["datatype"]) == ("number", "string")
-    (about,) = told["notes"]
-    assert about["study"] == json.loads(motion.attributes["study"])
+    told = json.loads(places[".csv"].with_name("result.csv.json").read_text())
+    beta = told["coords"]["beta"]["attrs"]
+    assert beta["units"] == "degree"
+    assert beta["comment"] == "Elevation of the drive above the floor plane."
+    about = told["attrs"]
+    assert about["study"] == motion.attributes["study"]
     assert about["study_sha256"] == motion.attributes["study_sha256"]
 
 
@@ -164,7 +175,7 @@ def test_what_is_awkward(awkward, tmp_path):
     assert [row[:2] for row in book["constants"].values][1:] == [("c", 7.5)]
     assert [cell.value for cell in book["values"]["D"]][1:3] == [None, "-inf"]
     assert book["values"]["F2"].data_type == "s"  # no formula
-    assert book["values"]["F6"].value == "#z"
+    assert book["values"]["F6"].value == "#z_x0001_"  # as Excel writes it
     assert dict(book["study"].values)["title"] == "=T"
     mat = scipy.io.loadmat(places[".mat"], simplify_cells=True)["result"]["data"]
     assert np.array_equal(mat["short"], [np.nan, -np.inf], equal_nan=True)
@@ -177,18 +188,41 @@ def test_what_is_awkward(awkward, tmp_path):
             found = {**back.coordinates, **back.variables}[name]
             assert found.values.dtype.kind == one.values.dtype.kind
             np.testing.assert_array_equal(found.values, one.values)
-    (about,) = json.loads((tmp_path / "result.csv-metadata.json").read_text())["notes"]
+    about = json.loads((tmp_path / "result.csv.json").read_text())["attrs"]
     assert "1 of 3 cells" in about["note"]
 
 
-def test_equal_results_are_equal_workbooks(awkward):
-    one, other = (b"".join(workbook.xlsx(Frame.of(awkward))) for _ in range(2))
-    assert one == other
+@pytest.mark.parametrize(
+    ("suffix", "storage"),
+    [
+        (".nc", Storage()),
+        (".zarr", Storage()),
+        (".zarr", Storage(zarr_version=2)),
+        (".csv", Storage()),
+        (".csv", Storage(csv_style="excel")),
+        (".xlsx", Storage()),
+        (".parquet", Storage()),
+    ],
+)
+def test_equal_results_have_equal_bytes(suffix, storage, awkward, tmp_path):
+    found = []
+    for name in ("one", "other"):
+        (tmp_path / name).mkdir()
+        place = str(tmp_path / name / f"x{suffix}")
+        write_result(awkward, place, history="2026-11-23 a test", storage=storage)
+        files = [path for path in (tmp_path / name).rglob("*") if path.is_file()]
+        found.append({path.relative_to(tmp_path / name): path.read_bytes() for path in files})
+    assert found[0] == found[1]
+
+
+def test_a_workbook_has_no_date_of_its_own(places):
+    with zipfile.ZipFile(places[".xlsx"]) as book:
+        assert {entry.date_time[0] for entry in book.infolist()} == {1980}
+        assert book.read("docProps/core.xml").count(b"1980-01-01T00:00:00Z") == 2
 
 
 def test_a_workbook_that_nobody_waits_for_leaves_nothing(awkward, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    monkeypatch.setattr(workbook, "ROWS", 1)
     pieces = workbook.xlsx(Frame.of(awkward))
     assert next(pieces) == b""
     assert list(tmp_path.iterdir())
@@ -207,10 +241,12 @@ def test_a_long_study_goes_on_in_the_rows_below(awkward):
 
 def test_what_a_format_cannot_hold(awkward, tmp_path, monkeypatch):
     with pytest.raises(LimitError, match="rows in a sheet of Excel, the limit is 1,048,575"):
-        FORMATS[".xlsx"].check(2**20, 1)
+        FORMATS[".xlsx"].check(Size(2**20, 1, 1))
+    with pytest.raises(LimitError, match="columns in a sheet of Excel, the limit is 16,384"):
+        FORMATS[".xlsx"].check(Size(1, 2**14 + 1, 1))
     with pytest.raises(LimitError, match="MATLAB reads it"):
-        FORMATS[".mat"].check(1, 2**31)
-    FORMATS[".csv"].check(10**12, 10**15)
+        FORMATS[".mat"].check(Size(1, 1, 2**31))
+    FORMATS[".csv"].check(Size(10**12, 10**6, 10**15))
     monkeypatch.setattr(workbook, "MAX_ROWS", 5)
     monkeypatch.setattr(matlab, "MAX_BYTES", 100)
     for suffix in (".xlsx", ".mat"):
@@ -232,12 +268,9 @@ def test_a_group_is_not_replaced(awkward, places):
         write_result(awkward, str(places[".zarr"]), history="")
 
 
-@pytest.mark.parametrize(
-    ("suffix", "package"), [(".xlsx", "openpyxl"), (".parquet", "pyarrow"), (".zarr", "obstore")]
-)
+@pytest.mark.parametrize(("suffix", "package"), [(".xlsx", "xlsxwriter"), (".parquet", "pyarrow")])
 def test_what_is_not_installed_is_named(suffix, package, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, package, None)
-    monkeypatch.setattr("vibrafeed.core.dataset.stores.find_spec", lambda name: None)
     with pytest.raises(MissingPackageError, match=r"is not installed: .*pip install .* -e '?\."):
         FORMATS[suffix].needs()
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import csv
+import csv as reader
 import io
 
 import numpy as np
 import pytest
 
 from posted_sweeps import STUDY
-from vibrafeed.core.dataset.frame import Frame
+from vibrafeed.core.dataset.frame import Frame, csv, parquet
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.dataset.read import read_netcdf
 from vibrafeed.core.dataset.table import Table, TableVariable
@@ -40,8 +40,8 @@ def table() -> Table:
 
 
 def test_csv(table):
-    text = b"".join(Frame.of(table).csv()).decode()
-    heading, *rows = csv.reader(io.StringIO(text, newline=""))
+    text = b"".join(csv(Frame.of(table))).decode()
+    heading, *rows = reader.reader(io.StringIO(text, newline=""))
     assert heading == ["a [Hz]", "b", "c", "turned [m]", "short", "told", "regime"]
     assert rows == [
         ["1.0", "1", "7.5", "0.0", "", 'x,"y"', "slide"],
@@ -54,11 +54,11 @@ def test_csv(table):
 
 
 def test_parquet(table, monkeypatch):
-    parquet = pytest.importorskip("pyarrow.parquet")
+    library = pytest.importorskip("pyarrow.parquet")
     monkeypatch.setattr("vibrafeed.core.dataset.frame.PARQUET_ROWS", 4)  # two groups
-    content = b"".join(Frame.of(table).parquet())
-    found = parquet.read_table(io.BytesIO(content))
-    assert parquet.ParquetFile(io.BytesIO(content)).num_row_groups == 2
+    content = b"".join(parquet(Frame.of(table)))
+    found = library.read_table(io.BytesIO(content))
+    assert library.ParquetFile(io.BytesIO(content)).num_row_groups == 2
     assert found["turned"].to_pylist() == [0, 3, 1, 4, 2, 5]
     assert found["told"].to_pylist()[:2] == ['x,"y"', 'x,"y"']
     assert found["regime"].to_pylist() == ["slide"] * 2 + ["flight"] * 2 + [None] * 2
@@ -86,7 +86,7 @@ def test_a_file_is_read_back(tmp_path):
             for attribute, value in variable.attributes.items():
                 np.testing.assert_array_equal(theirs[key].attributes[attribute], value)
     assert dict(found.attributes) == dict(table.attributes)
-    assert b"".join(Frame.of(found).csv()) == b"".join(Frame.of(table).csv())
+    assert b"".join(csv(Frame.of(found))) == b"".join(csv(Frame.of(table)))
     with pytest.raises(LimitError, match="1,540 rows"):
         read_netcdf(tmp_path / "x.nc", most_rows=1000)
 
@@ -100,7 +100,5 @@ def test_what_is_read_back_of_a_simulation(tmp_path):
     }
     table = tabulate(prepare_content(study))
     write_netcdf(table, tmp_path / "x.nc")
-    ours, theirs = (
-        b"".join(Frame.of(one).csv()) for one in (table, read_netcdf(tmp_path / "x.nc"))
-    )
+    ours, theirs = (b"".join(csv(Frame.of(one))) for one in (table, read_netcdf(tmp_path / "x.nc")))
     assert ours == theirs

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vibrafeed.core.dataset.table import percent, regime_shares, shares_of
+from vibrafeed.core.dataset.table import percent, regime_shares
 from vibrafeed.core.quantities import REGIMES
 
 SLIP, HOPPING = REGIMES["slip"].value, REGIMES["hopping"].value
@@ -14,8 +14,6 @@ SLIP, HOPPING = REGIMES["slip"].value, REGIMES["hopping"].value
 def test_every_cell_counts_as_one():
     regimes = np.array([[HOPPING, SLIP, SLIP], [SLIP, SLIP, SLIP]], dtype=np.int8)
     assert regime_shares(regimes) == {"slip": pytest.approx(5 / 6), "hopping": pytest.approx(1 / 6)}
-    assert shares_of({"hopping": 0, "slip": 3}) == {"slip": 1.0}
-    assert shares_of({}) == {}
 
 
 @pytest.mark.parametrize(

@@ -92,7 +92,7 @@ def test_statistics_are_those_of_the_stored_sweep(stored: Any, over: tuple[str, 
             some = line[~np.isnan(line)]
             if some.size:
                 want = np.quantile(some, ASKED["quantiles"])
-                np.testing.assert_array_equal(got, want)
+                np.testing.assert_allclose(got, want, rtol=1e-14)
             else:
                 assert np.isnan(got).all()
 
@@ -192,4 +192,28 @@ def test_a_million_cells_over_one_two_and_all_axes() -> None:
         for line, got in zip(lines[:50], found[f"{SPEED}_mean"].values.ravel(), strict=False):
             within_the_bound(got, line)
         quantiles = np.nanquantile(lines[:500], 0.3, axis=1)
-        np.testing.assert_array_equal(found[f"{SPEED}_quantile"].values.ravel()[:500], quantiles)
+        first = found[f"{SPEED}_quantile"].values.ravel()[:500]
+        np.testing.assert_allclose(first, quantiles, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("scene", "name", "more"),
+    [("sphere-on-plane", "required_friction", {"friction": [0.1, 0.3, 0.6]}),
+     ("rectangle-on-plane", "floor_force", {"mass": [1, 2]})],
+)  # fmt: skip
+def test_regimes_with_other_axes_than_their_output(
+    scene: str, name: str, more: dict[str, list[float]]
+) -> None:
+    parameters = {"frequency": [30, 60, 90], "amplitude": [5e-5, 2e-4, 8e-4], "beta": [10, 40]}
+    study = {
+        "kind": "sweep", "scene": scene, "outputs": [name], "parameters": {**parameters, **more},
+    }  # fmt: skip
+    whole = tabulate(prepare_content(study)).to_xarray()
+    for over in (("beta",), tuple(more), ("amplitude", *more)):
+        asked = {"over": list(over), "statistics": ["max", "mean", "std"]}
+        found = tabulate(prepare_content({**study, "reduce": asked})).to_xarray()
+        cells = on_all(over, whole, whole[name].where(valid_of(whole, name)))
+        for what in ("max", "mean", "std", "count"):
+            got = found[f"{name}_{what}"]
+            want = getattr(cells, what)(over)
+            np.testing.assert_allclose(got, want.transpose(*got.dims), rtol=1e-12, atol=1e-12)

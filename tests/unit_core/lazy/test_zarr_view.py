@@ -57,6 +57,20 @@ def ZarrView(sweep: Sweep, **more: Any) -> view_module.ZarrView:
     return view_module.ZarrView(sweep, outline(sweep.unverified()), **more)
 
 
+def chunks_of(view: Any) -> dict[str, tuple[int, ...]]:
+    """Return the number of chunks along each dimension of every array."""
+    arrays = json.loads(view.read("zarr.json"))["consolidated_metadata"]["metadata"]
+    return {
+        name: tuple(
+            -(-size // length)
+            for size, length in zip(
+                one["shape"], one["chunk_grid"]["configuration"]["chunk_shape"], strict=True
+            )
+        )
+        for name, one in arrays.items()
+    }
+
+
 def decode(view: Any, name: str, index: tuple[int, ...]) -> np.ndarray[Any, Any]:
     """Return a chunk as its document describes it, padding included."""
     document = json.loads(view.read(f"{name}/zarr.json"))
@@ -71,14 +85,14 @@ def check_every_chunk(sweep: Sweep, chunk_cells: int) -> None:
     view = ZarrView(sweep, chunk_cells=chunk_cells)
     table = tabulate(sweep)
     whole = {**table.coordinates, **table.variables}
-    assert list(view.chunks()) == list(whole)
+    assert list(chunks_of(view)) == list(whole)
     for name, variable in whole.items():
         document = json.loads(view.read(f"{name}/zarr.json"))
         assert tuple(document["shape"]) == variable.values.shape
         assert tuple(document.get("dimension_names", ())) == variable.dims
         lengths = document["chunk_grid"]["configuration"]["chunk_shape"]
         assert math.prod(lengths) <= chunk_cells
-        for index in product(*map(range, view.chunks()[name])):
+        for index in product(*map(range, chunks_of(view)[name])):
             chunk = decode(view, name, index)
             part = variable.values[
                 tuple(slice(i * c, (i + 1) * c) for i, c in zip(index, lengths, strict=True))
@@ -137,7 +151,7 @@ def test_the_document_of_the_group_holds_those_of_its_arrays():
     group = json.loads(view.read("zarr.json"))
     assert group["attributes"]["Conventions"] == "CF-1.11"
     inside = group["consolidated_metadata"]["metadata"]
-    for name in view.chunks():
+    for name in chunks_of(view):
         assert json.loads(view.read(f"{name}/zarr.json")) == inside[name]
     regime = inside["regime"]
     assert (regime["data_type"], regime["fill_value"]) == ("int8", 0)
@@ -182,7 +196,7 @@ def test_nothing_of_the_size_of_the_sweep_is_allocated():
     tracemalloc.start()
     view = ZarrView(sweep)
     view.read("zarr.json")
-    for name, chunks in view.chunks().items():
+    for name, chunks in chunks_of(view).items():
         decode(view, name, tuple(n // 2 for n in chunks))
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()

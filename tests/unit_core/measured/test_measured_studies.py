@@ -17,7 +17,7 @@ from night import first_by_day
 from recordings import DRIVE, csv_of, signal_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import gather, load_study, parse_json, parse_study, prepare_content
-from vibrafeed.core.intake import recorded as measured
+from vibrafeed.core.intake import section as measured
 from vibrafeed.core.intake import study_of as sound
 from vibrafeed.core.motion.drive_error import drive_error
 

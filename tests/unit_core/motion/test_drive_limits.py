@@ -9,8 +9,7 @@ import pytest
 
 from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.prepare import choose_system
-from vibrafeed.core.plan.equations import run_equations
-from vibrafeed.core.plan.plan import plan_scene
+from vibrafeed.core.plan.plan import plan_scene, run_equations
 
 CELLS = 60
 LIMITS = ("largest_acceleration", "stroke", "largest_jerk")

@@ -13,10 +13,9 @@ from vibrafeed.core.compiled import compiled
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.motion.events import motion_by_events, planar_motion, planar_path
-from vibrafeed.core.motion.groups import Contacts, Groups, cells_of
 from vibrafeed.core.motion.kernels.inputs import Floats
 from vibrafeed.core.motion.kernels.planar.plane_laws import Restitution, impulse, rebound
-from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.method import STATUS, Contacts, Groups, Motion, cells_of
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.flags import DERIVATIVE_STATUSES
 from vibrafeed.core.scenes import soft_contact

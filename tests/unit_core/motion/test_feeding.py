@@ -9,7 +9,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
 from vibrafeed.core.motion.feeding import direction, travel_in_words
-from vibrafeed.core.motion.result import STATUS, Motion
+from vibrafeed.core.motion.method import STATUS, Motion
 from vibrafeed.core.quantities import DIRECTIONS
 
 FORWARDS, BACKWARDS, RESTS, UNKNOWN = (

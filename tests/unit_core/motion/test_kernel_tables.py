@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibrafeed.core.motion.groups import Groups, cells_of
 from vibrafeed.core.motion.kernels import constants, inputs, tumbling
 from vibrafeed.core.motion.kernels.tumbling import corners
-from vibrafeed.core.motion.result import Motion
+from vibrafeed.core.motion.method import Groups, Motion, cells_of
 from vibrafeed.core.motion.tumbling_scene import Tumble, TumblePath
 from vibrafeed.core.quantities import MOTION_MODES
 

@@ -341,7 +341,6 @@ def test_a_sweep_is_derived_on_the_axes_that_each_output_has():
 @pytest.mark.parametrize(
     ("changes", "place"),
     [
-        ({"precision": "single"}, "precision too"),
         ({"reduce": {"over": ["amplitude"]}}, "reduce too"),
         ({"sensitivities": ["length"]}, "no requested output depends on 'length'"),
     ],

@@ -13,8 +13,7 @@ from vibrafeed.core.kinds import tabulate
 from vibrafeed.core.mechanics.rolling import RollingContact
 from vibrafeed.core.motion.events import motion_by_events, planar_path
 from vibrafeed.core.motion.feeding import travel_in_words
-from vibrafeed.core.motion.groups import Contacts
-from vibrafeed.core.motion.result import STATUS
+from vibrafeed.core.motion.method import STATUS, Contacts
 from vibrafeed.core.motion.rolling_scene import always_rolls, block_groups
 from vibrafeed.core.quantities import REGIMES
 

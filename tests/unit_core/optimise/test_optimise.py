@@ -14,7 +14,7 @@ from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study, tabulate
 from vibrafeed.core.optimise import METHODS
-from vibrafeed.core.optimise.front import knee
+from vibrafeed.core.optimise.check import knee
 from vibrafeed.core.optimise.optimisation import BINDS
 from vibrafeed.core.optimise.problem import STATUS
 from vibrafeed.core.plots import landscape

@@ -11,6 +11,7 @@ import pytest
 from exact_planes import FORMULAS, Point
 from many_digits import mp, mpf
 from plane_points import parameters, random_point
+from plans import make_plan
 from point_slopes import motion_sensitivities, sensitivities
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.plan import plan as plans
@@ -116,7 +117,7 @@ def taken(scene, variant, outputs):
     parameters = plans.scene_parameters(SCENES[scene], variant)
     known = {name: ordinary[name] for name in parameters if name in ordinary}
     try:
-        plans.make_plan(scene, variant, outputs, known)
+        make_plan(scene, variant, outputs, known)
     except StudyError as error:
         unused = {problem.place.split(".")[1] for problem in error.problems}
         known = {name: value for name, value in known.items() if name not in unused}
@@ -124,7 +125,7 @@ def taken(scene, variant, outputs):
 
 
 def values(scene, variant, outputs, point):
-    plan = plans.make_plan(scene, variant, outputs, point)
+    plan = make_plan(scene, variant, outputs, point)
     known = {name: np.asarray(value) for name, value in {**plan.defaults, **point}.items()}
     for equation in plan.equations:
         known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from benchmarks.evaluate import grid_of, plan_of, traceable
+from plans import make_plan
 from vibrafeed.core.plan import evaluate as door
 from vibrafeed.core.plan import program
-from vibrafeed.core.plan.blocks import evaluate_in_blocks
-from vibrafeed.core.plan.evaluate import Fused, empty_results, evaluate
+from vibrafeed.core.plan.evaluate import Fused, empty_results, evaluate, evaluate_in_blocks
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.plan import Plan, make_plan
+from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.trace import Graph, UntraceableError, traced
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.values import Fixed, Points

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plans import make_plan
 from schemas import expanded, whole_schema
 from vibrafeed.core.catalogue import describe
 from vibrafeed.core.errors import LimitError, Problem, SceneError, StudyError
@@ -17,7 +18,7 @@ from vibrafeed.core.kinds import KINDS, run_study
 from vibrafeed.core.motion import SYSTEMS
 from vibrafeed.core.motion.drives import shape_of
 from vibrafeed.core.motion.prepare import choose_system
-from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.quantities import FAMILIES, QUANTITIES, REGIMES, WORDS
 from vibrafeed.core.quantities.drives import DRIVE as NUMBERS_OF_DRIVES
 from vibrafeed.core.quantities.drives import MAX_STRETCHES
@@ -189,8 +190,7 @@ def test_an_output_keeps_only_the_dimensions_that_it_depends_on():
 
 
 def test_results_do_not_depend_on_blocks_or_on_the_presence_of_other_axes():
-    from vibrafeed.core.plan.blocks import evaluate_in_blocks
-    from vibrafeed.core.plan.evaluate import empty_results
+    from vibrafeed.core.plan.evaluate import empty_results, evaluate_in_blocks
 
     study = parse_study(
         content(

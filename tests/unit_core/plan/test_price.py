@@ -9,8 +9,8 @@ import pytest
 import vibrafeed.core.kernel_cache
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.plan import price as module
-from vibrafeed.core.plan.price import BUDGET, MARGIN, SAMPLED, Price
+from vibrafeed.core.plan import prepared as module
+from vibrafeed.core.plan.prepared import BUDGET, MARGIN, SAMPLED, Price
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 HOPS = {"frequency": 50, "amplitude": "2.1 mm", "beta": 41, "friction": 0.4, "restitution": 0.6}

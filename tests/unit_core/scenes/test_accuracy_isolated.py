@@ -17,7 +17,7 @@ import pytest
 
 from many_digits import mp, mpf
 from night import count
-from vibrafeed.core.plan.plan import make_plan
+from plans import make_plan
 from vibrafeed.core.scenes import SCENES
 
 BAR = 8

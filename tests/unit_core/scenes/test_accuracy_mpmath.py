@@ -27,7 +27,7 @@ import pytest
 from exact_planes import EPSILON, FORMULAS, ZERO, Point, digits
 from many_digits import mp, mpf
 from plane_points import make_points, parameters
-from vibrafeed.core.plan.plan import make_plan
+from plans import make_plan
 from vibrafeed.core.scenes import SCENES
 
 BAR = 8

@@ -6,8 +6,7 @@ import pytest
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.plan.blocks import evaluate_in_blocks
-from vibrafeed.core.plan.evaluate import empty_results
+from vibrafeed.core.plan.evaluate import empty_results, evaluate_in_blocks
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.sweep.kind import prepare

@@ -13,7 +13,7 @@ from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.sweep.kind import prepare
-from vibrafeed.core.sweep.slice import cut
+from vibrafeed.core.sweep.slice import compute_slice, prepare_cut
 
 SQUARE = {"height": 1.0, "length": 1.0}
 OF_A_CYLINDER = answer("V-limiting-friction-2")
@@ -236,8 +236,9 @@ def test_an_angle_among_the_outputs_is_in_degrees_in_a_slice_too():
         "kind": "sweep", "scene": "rectangle-isolated", "outputs": ["diagonal_angle"],
         "parameters": {**SQUARE, "pitch": [0, 15, 30]},
     }  # fmt: skip
-    found = cut(
-        prepare(parse_study(content)), output="diagonal_angle", axes=["pitch"], at={}, most=10
+    sweep = prepare(parse_study(content))
+    found = compute_slice(
+        prepare_cut(sweep, output="diagonal_angle", axes=["pitch"], at={}, most=10)
     )
     np.testing.assert_allclose(found["values"]["data"], [45, 60, 75], rtol=1e-15)
     assert found["unit"] == "degree"

@@ -12,10 +12,10 @@ from scipy import stats
 
 import vibrafeed
 from night import count
+from plans import make_plan
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.mechanics import orienting
-from vibrafeed.core.plan.plan import make_plan
 from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.quantities import REGIMES
 

@@ -11,8 +11,9 @@ import pytest
 import vibrafeed
 from benchmarks.known_answers import known_answers
 from night import count
+from plans import make_plan
 from vibrafeed.core.mechanics import resting
-from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES, instead_of

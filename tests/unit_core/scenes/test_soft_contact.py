@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import gamma
 
 import vibrafeed
-from vibrafeed.core.plan.plan import make_plan
+from plans import make_plan
 from vibrafeed.core.plan.trace import traced
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import soft_contact

@@ -7,8 +7,7 @@ import vibrafeed
 from vibrafeed.core.catalogue import asked_parameters, describe, needed_parameters
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.motion.systems import SYSTEMS
-from vibrafeed.core.plan.equations import run_equations
-from vibrafeed.core.plan.plan import plan_scene, scene_parameters
+from vibrafeed.core.plan.plan import plan_scene, run_equations, scene_parameters
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.unusual import questions
 

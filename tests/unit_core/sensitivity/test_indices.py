@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import sobol_indices as of_scipy
 
-from benchmarks.sobol_indices import FUNCTIONS, coverage
-from vibrafeed.core.sensitivity.indices import design, indices_of, sobol_indices
+from benchmarks.sobol_indices import FUNCTIONS, coverage, sobol_indices
+from vibrafeed.core.sensitivity.indices import design, indices_of
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import vibrafeed
-from vibrafeed.core.dataset.frame import FrameColumn, heading
+from vibrafeed.core.dataset.frame import heading
 from vibrafeed.core.dataset.table import TableVariable, quantity_attributes
 from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, Quantity
@@ -64,8 +64,8 @@ def test_what_a_person_is_shown_is_read(unit, x):
 def test_each_quantity_is_read_from_the_headings_of_its_own_files(name):
     quantity = QUANTITIES[name]
     value = next(x for x in (0.3, 1.0, 3.0, 30.0) if quantity.lower < x <= quantity.upper)
-    column = FrameColumn(name, TableVariable((), np.array(value), quantity_attributes(name)))
-    found, unit = name_and_unit(heading(column))
+    column = TableVariable((), np.array(value), quantity_attributes(name))
+    found, unit = name_and_unit(heading(name, column))
     assert found == name
     assert read_number(name, quantity, with_unit(repr(value), unit)) == value
     assert read_number(name, quantity, f"{value!r} {quantity.unit}") == value

@@ -17,12 +17,11 @@ from vibrafeed.core.intake import (
     prepare_content,
     study_of,
 )
-from vibrafeed.core.lazy.view import read_wishes
 from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.selection import read_fixed
 from vibrafeed.core.quantities import QUANTITIES, WORDS
 from vibrafeed.core.suggestions import suggestion
-from vibrafeed.core.sweep.slice import cut
+from vibrafeed.core.sweep.slice import compute_slice, prepare_cut
 
 LETTERS = {letter: word for word, letter in WORDS.items()}
 DRIVE = {"frequency": "50 Hz", "amplitude": "0.3 mm", "friction": 0.3}
@@ -197,19 +196,16 @@ def test_files_of_observations_take_words(tmp_path):
     assert load_study(file).key() == parse_study(STUDIES["columns"]).key()
 
 
-def test_slices_chunks_and_pictures_take_words():
+def test_slices_and_pictures_take_words():
     study = {**PLANE, "parameters": {**DRIVE, "beta": GRID, "gamma": [0, 2]}}
     sweep = prepare_content(study)
     letters = {"output": "acceleration_x", "axes": ["beta"], "at": {"gamma": "2 deg"}}
     words = {"output": "acceleration_x", "axes": ["elevation"], "at": {"climb": "2 deg"}}
-    one, other = (cut(sweep, **wish, most=100) for wish in (letters, words))
+    one, other = (compute_slice(prepare_cut(sweep, **wish, most=100)) for wish in (letters, words))
     np.testing.assert_array_equal(one["values"]["data"], other["values"]["data"])
     assert other["axes"][0]["name"] == "beta"
     with pytest.raises(StudyError, match=r"^climb: climb and gamma are the same angle"):
-        cut(sweep, **{**words, "at": {"climb": "2 deg", "gamma": "0 deg"}}, most=100)
-    assert read_wishes("elevation:all,climb:1", {"beta": 5, "gamma": 2}, 100) == {
-        "beta": None, "gamma": 1,
-    }  # fmt: skip
+        prepare_cut(sweep, **{**words, "at": {"climb": "2 deg", "gamma": "0 deg"}}, most=100)
     assert read_fixed({"climb": "2 deg"}) == {"gamma": 2.0}
     with pytest.raises(PlotError, match="same angle"):
         read_fixed({"climb": "2 deg", "gamma": 1})

@@ -9,6 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from plans import make_plan
 from precise import (
     CONTEXT,
     DIGITS,
@@ -19,9 +20,8 @@ from precise import (
     sensitivities,
 )
 from vibrafeed.core.intake import prepare_content, read_content
-from vibrafeed.core.plan.equations import run_equations
 from vibrafeed.core.plan.grid import random_positions
-from vibrafeed.core.plan.plan import make_plan, scene_parameters
+from vibrafeed.core.plan.plan import run_equations, scene_parameters
 from vibrafeed.core.scenes import SCENES, instead_of
 
 ROOT = Path(__file__).parents[3]

@@ -18,6 +18,7 @@ from schemas import whole_schema
 from verified_studies import BEST, BOUND, DRIVE, MOTION, PAIR, STUDIES, SWEEP, number, told
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.work import compute_block, write_result
+from vibrafeed.core.code_version import code_version
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import KINDS, tabulate
@@ -293,7 +294,7 @@ def test_a_job_writes_what_verifying_found(tmp_path):
     store = Store(tmp_path)
     key, _ = store.add(prepared.study)
     for index in range(len(Cut(prepared, 2))):
-        compute_block(str(tmp_path), key, "sweep", 2, index)
+        compute_block(str(tmp_path), key, "sweep", 2, index, code_version())
     write_result(str(tmp_path), key, "sweep", 2, 0.0)
     with xarray.open_dataset(store.folder(key) / "result.nc", engine="netcdf4") as dataset:
         for name, value in told(SWEEP).items():

@@ -28,13 +28,11 @@ class Countdown:
         return self.left < 0
 
 
-def labelled(content, stop, change=None, progress=None):
+def labelled(content, stop, progress=None):
     """Return the attributes of a study whose verifying is stopped, and of computing is not."""
     prepared = prepare_content(content)
     kind = KINDS[prepared.study.kind]
     computed = kind.compute(prepared, Watch())
-    if change is not None:
-        computed = Computed({**computed.arrays, **change(computed.arrays)}, computed.notes)
     return kind.label(prepared, computed, Watch(progress, stop)).attributes
 
 
@@ -45,7 +43,7 @@ def test_no_time_is_spent_after_the_deadline(kind, monkeypatch):
 
     # What verifies is not reached: the words are no claim about a single cell.
     monkeypatch.setattr("vibrafeed.core.sweep.verify.outputs_in", never)
-    monkeypatch.setattr("vibrafeed.core.motion.verify.run_equations", never)
+    monkeypatch.setattr("vibrafeed.core.motion.simulate.compare", never)
     rivals = {name: replace(method, solve=never) for name, method in METHODS.items()}
     monkeypatch.setattr("vibrafeed.core.optimise.check.METHODS", rivals)
     prepared, done = prepare_content(STUDIES[kind]), []
@@ -117,15 +115,18 @@ def test_cells_that_were_not_computed_are_not_verified(content, status, monkeypa
         return changed
 
     followed = []
-    module = importlib.import_module("vibrafeed.core.motion.verify")
+    module = importlib.import_module("vibrafeed.core.motion.simulate")
     run = module.run_equations
 
     def counted(plan, cells, watch):
         followed.append(max(values.size for values in cells.values()))
         return run(plan, cells, watch)
 
+    kind = KINDS[prepared.study.kind]
+    computed = kind.compute(prepared, Watch())
     monkeypatch.setattr(module, "run_equations", counted)
-    told = labelled(content, None, without_two)
+    changed = Computed({**computed.arrays, **without_two(computed.arrays)}, computed.notes)
+    told = kind.label(prepared, changed, Watch()).attributes
     # By the other method, and by its own for the error that it states.
     assert followed == ([1, 1] if content is MOTION else [])
     assert told["verified_cells"] == 1

@@ -1,7 +1,5 @@
 """The motion along the track over a cycle: slide, the slip at which it repeats, its means."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Means of a motion that rounding decides, over runs from several phases."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The motion normal to the floor: a cycle of segments, and how roundings grow along it."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 

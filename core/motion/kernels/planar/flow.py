@@ -1,7 +1,5 @@
 """The flow in one mode: a sine and a constant, integrated in closed form."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from typing import NamedTuple

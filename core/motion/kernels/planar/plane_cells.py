@@ -1,7 +1,5 @@
 """Cells in the plane: their means, their courses, and what friction, impacts and the drive do."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 

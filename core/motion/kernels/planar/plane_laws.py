@@ -6,8 +6,6 @@ contact F = k x^n (1 + b x') has the restitution e(d) of d = b v, v the speed of
 and k (theory 18.3): d - ln(1 + d) = -e d - ln(1 - e d).
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from collections.abc import Callable

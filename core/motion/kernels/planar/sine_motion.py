@@ -1,7 +1,5 @@
 """Flight, stick and slip of a part under a sine: what a sine tells in `plane_laws`."""
 
-from __future__ import annotations
-
 import math
 
 from vibrafeed.core.compiled import compiled

@@ -3,8 +3,6 @@
 Each mode has an acceleration push(tau) - pull of a `kind`, a few rows of one table.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

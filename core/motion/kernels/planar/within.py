@@ -5,8 +5,6 @@ landings, which cells of one drive and rebound have in common, take nine times a
 the slip between them: those of the last motion are kept.
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 

@@ -4,8 +4,6 @@ Gauss's principle for parts that touch at one velocity is to minimise sum m (u' 
 u'_1 <= u'_2 <= ..., a the acceleration of each part by itself: isotonic regression.
 """
 
-from __future__ import annotations
-
 from collections import namedtuple
 from collections.abc import Callable
 from typing import Any, TypeAlias

@@ -1,7 +1,5 @@
 """How the motion of a row ends: it repeats, separates, wanders, or still drifts (theory 17.4)."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Rows from event to event (theory 17.3), until they repeat, and the path of one (17.4)."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from typing import Any

@@ -4,8 +4,6 @@ Between the zeros of u' = C sin(tau) - k the velocity is monotone; between those
 the velocity the distance is: no zero is missed, a grazing one included.
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 

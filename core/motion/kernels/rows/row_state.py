@@ -1,7 +1,5 @@
 """The state of a row, and the columns of its cells and results."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from typing import NamedTuple

@@ -4,8 +4,6 @@ Every acceleration is a P(tau) + b S(tau) - k with the pushes P along and S norm
 body in the air has the shares (1, 0), one that slides (1, mode mu), one at rest none.
 """
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """From event to event through a period of the drive, and the work done on the way."""
 
-from __future__ import annotations
-
 import math
 
 from vibrafeed.core.compiled import borrowing

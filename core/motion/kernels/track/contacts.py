@@ -1,7 +1,5 @@
 """Contacts at an event: impacts, and the mode that comes after it."""
 
-from __future__ import annotations
-
 import math
 
 from vibrafeed.core.compiled import borrowing, compiled

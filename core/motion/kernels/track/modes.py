@@ -3,8 +3,6 @@
 Each returns the span of the step, the event at its end, and the order of the series.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The table of a step in space, and the drive: the series of its push, lift-offs, jumps."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 from typing import TypeAlias

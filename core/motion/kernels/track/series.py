@@ -9,8 +9,6 @@ D the acceleration without friction, r the response across: 1 for a block and 1 
 cylinder (theory 13.13). Each series is a row of a table: a view would cost more than its values.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ events, and near the end, since a jump may else land on another motion, or on on
 a few jumps in vain the part is followed again without any: no mean is taken over moved states.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

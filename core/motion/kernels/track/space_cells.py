@@ -1,7 +1,5 @@
 """Cells in space: their means, their courses, and what friction, impacts and the drive do."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The part that tumbles: its numbers and state, its corners and sides, the forces on them."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 

@@ -1,7 +1,5 @@
 """The support of a tumbling part: a step on it, impacts, and the support after them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tumbling parts from event to event: one run, many cells, one path."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,0 +1,154 @@
+// A parameter as a slider with its field: ends, a mark where the part lifts off, a word about an unusual value.
+
+import { places } from "./computed.js";
+import { element } from "./elements.js";
+import { numberInput } from "./fields.js";
+import { unusual, usual } from "./view.js";
+import { capital, number, shown, withUnit, words } from "./words.js";
+
+const NAMES = { beta: "Angle of vibration", gamma: "Climb of the track", friction: "Friction", load_mass: "Load", ring_down_frequency: "Springs tuned to", arrival_rate: "Arriving", wiper_height_1: "Wiper" };
+
+export function nameOf(name) {
+  return NAMES[name] ?? capital(words(name));
+}
+
+// The ends of the slider of a parameter: those of the map's axis, else the usual ones; and the value itself.
+export function endsOf(view, parameter) {
+  const axis = [view.x, view.y].find((one) => one?.name === parameter.name);
+  const [low, high] = axis ? [axis.from, axis.to] : usual(parameter);
+  const value = view.values[parameter.name];
+  return [Math.min(low, value ?? low), Math.max(high, value ?? high)];
+}
+
+// `onmove(value, range)` hears of each step of the slider, `ontake(value)` of a value that is chosen. Returns
+// {field, follow(view), mark(value)}. `more` stands below the slider.
+export function sliderField(view, parameter, { onmove, ontake, onremove = null }, ...more) {
+  const { name, unit, description } = parameter;
+  const [factor, unitShown] = shown(unit);
+  const id = `value-${name}`;
+  const text = nameOf(name);
+  let current = view.values[name];
+  let range;
+  let isMoved = false; // and not yet let go
+  const take = () => {
+    isMoved = false;
+    ontake(range.at(Number(slider.value)));
+  };
+  const slider = element("input", {
+    type: "range",
+    min: 0,
+    step: 1,
+    "aria-label": `${text}, slider`,
+    oninput: () => {
+      isMoved = true;
+      current = range.at(Number(slider.value));
+      typed.show(current);
+      tell();
+      onmove(current, range);
+    },
+    onchange: () => take(),
+    // Back where it began a browser tells of no change, and the picture is still that of a drag.
+    onpointerup: () => setTimeout(() => isMoved && take()),
+  });
+  const odd = element("span", { class: "unusual", id: `unusual-${name}` });
+  const lift = element("span", { class: "lift", "aria-hidden": "true", hidden: true });
+  const [low, high] = [element("span", { class: "low" }), element("span", { class: "high" })];
+  const tell = () => {
+    slider.setAttribute("aria-valuetext", withUnit(current, unit));
+    slider.style.setProperty("--at", `${(100 * (current - range.from)) / (range.to - range.from || 1)}%`);
+    odd.textContent = unusual(parameter, current, view.begun?.[name]);
+    typed.classList.toggle("odd", odd.textContent !== "");
+  };
+  const follow = (other) => {
+    view = other;
+    const value = view.values[name];
+    if (!isMoved) {
+      const [from, to] = endsOf(view, parameter);
+      range = places(from, to === from ? from + 1 : to);
+      slider.max = String(range.num - 1);
+      slider.value = String(Math.round(((value - range.from) / (range.to - range.from)) * (range.num - 1)));
+      low.textContent = number(range.from * factor);
+      high.textContent = number(range.to * factor);
+    }
+    if (value !== current || (typed.getAttribute("aria-invalid") !== "true" && document.activeElement !== typed)) typed.show(value);
+    current = value;
+    tell();
+  };
+  const typed = numberInput(null, current, unit, (taken) => ontake(taken), { id, "aria-describedby": `wrong-${name} unusual-${name}` });
+  // Where the part lifts off, in the unit of the service; null where it does not, or nobody knows.
+  const mark = (at) => {
+    lift.hidden = at === null || !(at > range.from && at < range.to);
+    if (lift.hidden) return;
+    const share = (at - range.from) / (range.to - range.from);
+    lift.style.setProperty("--at", `${100 * share}%`);
+    lift.classList.toggle("ended", share > 0.6);
+    lift.textContent = `hops above ${number(at * factor, 2)}`;
+  };
+  const field = element(
+    "div",
+    { class: "field slider", title: description, "data-name": name },
+    element("label", { for: id }, text),
+    element("span", { class: "slot" }, typed, unitShown ? element("span", { class: "unit", "aria-hidden": "true" }, unitShown) : null),
+    onremove ? element("button", { type: "button", class: "remove", "aria-label": `Remove ${words(name)}`, onclick: onremove }, "×") : null,
+    element("div", { class: "reach" }, slider, lift, element("div", { class: "ends" }, low, high)),
+    odd,
+    element("span", { class: "wrong", id: `wrong-${name}` }),
+    ...more,
+  );
+  follow(view);
+  return { field, follow, mark };
+}
+
+// Two ends of what may be chosen, on one line: `ontake(from, to)` hears.
+export function rangeField(axis, parameter, ontake) {
+  const { name, unit } = parameter;
+  const [low, high] = usual(parameter);
+  const range = places(Math.min(low, axis.from), Math.max(high, axis.to));
+  const at = (value) => Math.round(((value - range.from) / (range.to - range.from)) * (range.num - 1));
+  const ends = [axis.from, axis.to];
+  const text = nameOf(name);
+  const taken = (k, value) => {
+    const next = [...ends];
+    next[k] = value;
+    if (next[0] < next[1]) ontake(next[0], next[1]);
+  };
+  const track = element("div", { class: "two" });
+  const tell = () => {
+    track.style.setProperty("--from", `${(100 * at(ends[0])) / (range.num - 1)}%`);
+    track.style.setProperty("--at", `${(100 * at(ends[1])) / (range.num - 1)}%`);
+  };
+  const sliders = ["Least", "Largest"].map((which, k) => {
+    const made = element("input", {
+      type: "range",
+      min: 0,
+      max: range.num - 1,
+      "aria-label": `${which} ${words(name)}, slider`,
+      "aria-valuetext": withUnit(ends[k], unit),
+      oninput: () => {
+        const limit = at(ends[1 - k]);
+        made.value = String(k ? Math.max(limit + 1, Number(made.value)) : Math.min(limit - 1, Number(made.value)));
+        ends[k] = range.at(Number(made.value));
+        typed[k].show(ends[k]);
+        tell();
+      },
+      onchange: () => taken(k, ends[k]),
+    });
+    made.value = String(at(ends[k]));
+    return made;
+  });
+  const typed = ["Least", "Largest"].map((which, k) =>
+    numberInput(`${which} ${words(name)}`, ends[k], unit, (value) => taken(k, value), {
+      check: (value) => ((k ? value > ends[0] : value < ends[1]) ? "" : "The lower bound has to be below the upper bound"),
+    }),
+  );
+  const [, unitShown] = shown(unit);
+  track.append(...sliders);
+  tell();
+  return element(
+    "div",
+    { class: "field bounds" },
+    element("span", { class: "name" }, `${text.replace(" of vibration", "")} may be`),
+    element("span", { class: "pair" }, element("span", { class: "slot" }, typed[0]), " to ", element("span", { class: "slot" }, typed[1], unitShown ? element("span", { class: "unit" }, unitShown) : null)),
+    track,
+  );
+}
