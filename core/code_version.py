@@ -20,15 +20,19 @@ def code_version() -> str:
 
     It is the same on every system.
     """
-    return f"{core.__version__}+{_digest()}"
+    return f"{core.__version__}+{digest(WITHOUT_NUMBERS)[:8]}"
 
 
 @functools.cache
-def _digest() -> str:
+def digest(without: tuple[str, ...] = ()) -> str:
+    """Return a digest of the sources of core, 64 hexadecimal digits.
+
+    `without` are files and folders that do not count. It is the same on every system.
+    """
     content = hashlib.sha256()
     files = (file for form in ("py", "toml") for file in CORE.rglob(f"*.{form}"))
     for name, file in sorted((file.relative_to(CORE).as_posix(), file) for file in files):
-        if name.partition("/")[0] not in WITHOUT_NUMBERS:
+        if name.partition("/")[0] not in without:
             source = file.read_bytes().replace(b"\r\n", b"\n")  # a checkout on Windows has both
             content.update(f"{name} {len(source)}\n".encode() + source)
-    return content.hexdigest()[:8]
+    return content.hexdigest()

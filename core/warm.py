@@ -29,7 +29,8 @@ STUDIES: dict[str, tuple[Mapping[str, Any], ...]] = {
 def compile_kernels(processes: int) -> Path | None:
     """Compile all compiled code that is not in the cache for this processor; return its folder.
 
-    It is done by running studies in several processes; None if no folder can be written.
+    It is done by running studies, in this process or in several others; None if no folder can be
+    written.
     """
     from vibrafeed.core import kernel_cache  # numba is loaded with it
 
@@ -38,15 +39,19 @@ def compile_kernels(processes: int) -> Path | None:
     for mark in left.values():
         if mark is None or not os.access(mark.parent, os.W_OK):  # an image's, of another processor
             return None
-    if left:
+    parts = (slice(1), slice(1, None))  # the study that comes first, and the others
+    if processes == 1:
+        for part in parts:
+            for package in left:
+                carry_out(package, part)
+    elif left:
         spawn = multiprocessing.get_context("spawn")
-        most = min(processes, len(left))
-        with ProcessPoolExecutor(most, spawn, end_with_parent) as pool:
-            for part in (slice(1), slice(1, None)):  # the study that comes first, and the others
+        with ProcessPoolExecutor(min(processes, len(left)), spawn, end_with_parent) as pool:
+            for part in parts:
                 list(pool.map(carry_out, left, len(left) * [part]))
-        for mark in left.values():
-            assert mark is not None
-            mark.touch()
+    for mark in left.values():
+        assert mark is not None
+        mark.touch()
     return Path(kernel_cache.root())
 
 

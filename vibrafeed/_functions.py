@@ -68,7 +68,7 @@ def sweep(
     scene: SceneName | StudyLike | None = None, /, *, outputs: Outputs | None = None,
     variant: str | None = None, reduce: Mapping[str, Any] | None = None,
     sensitivities: bool | Sequence[str] | None = None, verify: int | None = None,
-    precision: Literal["double", "single"] | None = None, **parameters: Unpack[Keywords],
+    **parameters: Unpack[Keywords],
 ) -> xarray.Dataset:  # fmt: skip
     """Return closed-form quantities of one scene over a grid of parameters.
 
@@ -89,7 +89,6 @@ def sweep(
         sensitivities : derivatives and elasticities, too: True, or parameters
     Numerics
         verify : number of random cells to evaluate again in extended precision
-        precision : double, or single to store half the bytes
 
     Returns
     -------

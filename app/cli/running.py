@@ -320,7 +320,7 @@ def _to_zarr(
     group = lazy.store.ZarrStore(prepared, target)
     started = time.perf_counter()
     group.begin(table, resume=resume)
-    blocks, missing = len(lazy.store.Blocks(prepared)), len(group.missing())
+    blocks, missing = len(group.blocks), len(group.missing())
     if missing < blocks:
         done = blocks - missing
         console.say(f"  continuing: {done:,} of {blocks:,} blocks were done before")
@@ -375,8 +375,9 @@ def _say_how_to_go_on(path: Path, target: str, prepared: Prepared) -> None:
     if not is_zarr(target):
         console.fail(f"{path}: it was stopped; nothing is written. A run to Zarr would go on.")
         return
-    blocks = len(lazy.store.Blocks(prepared))
-    done = blocks - len(lazy.store.ZarrStore(prepared, target).missing())
+    group = lazy.store.ZarrStore(prepared, target)
+    blocks = len(group.blocks)
+    done = blocks - len(group.missing())
     share = round(prepared.cells * done / blocks)
     console.fail(
         f"{path}: it was stopped; {done:,} of {blocks:,} blocks are done, about "

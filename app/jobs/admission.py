@@ -94,16 +94,10 @@ class Admission:
             finished = manifest.seconds if manifest and is_own and not is_under_way else None
             self.ownership.hold(who.name, key, len(task.text), result=True)
             job = self.ledger.post(
-                key,
-                task.process,
-                cells=task.cells,
-                block_cells=task.block_cells,
-                blocks=task.blocks,
-                bytes_=task.bytes,
+                task,
                 finished_seconds=finished,
                 known_seconds=manifest.seconds if manifest else 0.0,
                 owner=who.name,
-                price=task.price,
             )
             if manifest is None:
                 self.posted(key)
@@ -143,15 +137,7 @@ class Admission:
                 if not self.store.used(job.key):  # it has just made room for another
                     return False
                 self._quota.make(job.key, task.bytes)
-                self.ledger.reenter(
-                    job.key,
-                    job.process,
-                    cells=task.cells,
-                    block_cells=task.block_cells,
-                    blocks=task.blocks,
-                    bytes_=task.bytes,
-                    price=task.price,
-                )
+                self.ledger.reenter(task)
         logger.warning("a result is computed again: %s", job.key)
         self._wake()
         return True

@@ -47,5 +47,5 @@ def group_of_job(store: Store, key: str, prepared: Prepared) -> ZarrStore:
 def finish(store: Store, key: str, process: str, group: ZarrStore, seconds: float) -> None:
     """Complete the group of a job whose blocks are all stored, and write the manifest."""
     prepared = group.prepared
-    making = Making(process, prepared.cells, len(lazy.store.Blocks(prepared)), seconds)
+    making = Making(process, prepared.cells, len(group.blocks), seconds)
     store.finish_group(key, group.finish, making)

@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import ColumnElement, Connection, Row, exists, func, or_, select, true, tuple_
 from sqlalchemy.sql.expression import Insert, Select
@@ -26,6 +26,9 @@ from vibrafeed.app.jobs.database import Database
 from vibrafeed.app.jobs.disk import DAMAGED, why
 from vibrafeed.app.jobs.errors import QueueFullError
 from vibrafeed.app.jobs.tables import AUDIT, JOBS, KEYS, OWNED_STUDIES, SIZES, VERSION, WORK
+
+if TYPE_CHECKING:
+    from vibrafeed.app.jobs.work import Task  # whose processes load no database
 
 ACTIVE = ("accepted", "running")
 STATES = (*ACTIVE, "successful", "failed", "dismissed")
@@ -233,61 +236,46 @@ class Ledger:
 
     def post(
         self,
-        key: str,
-        process: str,
+        task: Task,
         *,
-        cells: int,
-        block_cells: int,
-        blocks: int,
-        bytes_: int,
         finished_seconds: float | None,
         known_seconds: float = 0.0,
         owner: str = "",
-        price: float = 0.0,
     ) -> Job:
         """Enter a job for a study and return it; it is successful at once if its result exists.
 
         Parameters
         ----------
-        key, process : str
-            The study's identifier, and what to carry out.
-        cells, block_cells, blocks : int
-            Cells of the study, cells of one block, and the number of blocks.
-        bytes_ : int
-            Bytes that all its files may take on the disk.
+        task : Task
+            The study, and what to carry out.
         finished_seconds : float or None
             Computing time of the result [s] if it exists and the job may use it at once; else None.
         known_seconds : float
             Computing time of an existing result [s] that the job is to find only when it runs.
         owner : str
             Name of the API key that posts it.
-        price : float
-            Expected time of computing it on one core [s].
         """
         number, now = uuid.uuid4().hex, time.time()
         is_there = finished_seconds is not None
-        state = "successful" if is_there else "accepted"
+        state, blocks = "successful" if is_there else "accepted", task.blocks
         started = finished = now if is_there else None
         with self.transaction() as database:
             # The order of entry is that of the list, also where the clock has been set back.
             latest = database.execute(select(func.max(JOBS.c.created))).scalar_one()
             created = now if latest is None else max(now, latest + TICK)
             if not is_there:
-                found = select(WORK.c.began, WORK.c.blocks).where(WORK.c.key == key)
+                found = select(WORK.c.began, WORK.c.blocks).where(WORK.c.key == task.key)
                 row = database.execute(found).one_or_none()
                 if row is None:
-                    new = _new_work(
-                        key=key, process=process, cells=cells, block_cells=block_cells,
-                        blocks=blocks, bytes=bytes_, seconds=known_seconds, price=price,
-                    )  # fmt: skip
-                    database.execute(new)
+                    database.execute(_new_work(task, known_seconds))
                 else:
                     blocks = row.blocks  # it may have been cut when blocks were of another size
                     if row.began is not None:
                         state, started = "running", now
             database.execute(
                 JOBS.insert().values(
-                    id=number, key=key, process=process, state=state, cells=cells, blocks=blocks,
+                    id=number, key=task.key, process=task.process, state=state, cells=task.cells,
+                    blocks=blocks,
                     created=created, started=started, finished=finished, seconds=finished_seconds,
                     owner=owner, shared=0, gone=0, done_at_end=None,
                 )
@@ -296,39 +284,21 @@ class Ledger:
         assert job is not None
         return job
 
-    def reenter(
-        self, key: str, process: str, *, cells: int, block_cells: int, blocks: int, bytes_: int,
-        price: float = 0.0,
-    ) -> None:  # fmt: skip
+    def reenter(self, task: Task) -> None:
         """Queue a study again whose result is lost; its successful jobs become accepted again.
 
         Nothing happens if no such job is left, or the study is in the queue already.
-
-        Parameters
-        ----------
-        key, process : str
-            The study's identifier, and what to carry out.
-        cells, block_cells, blocks : int
-            Cells of the study, cells of one block, and the number of blocks.
-        bytes_ : int
-            Bytes that all its files may take on the disk.
-        price : float
-            Expected time of computing it on one core [s].
         """
-        new = _new_work(
-            key=key, process=process, cells=cells, block_cells=block_cells, blocks=blocks,
-            bytes=bytes_, price=price,
-        )  # fmt: skip
         with self.transaction() as database:
             waiting = database.execute(
                 JOBS.update()
-                .where(JOBS.c.key == key, JOBS.c.state == "successful", JOBS.c.gone == 0)
+                .where(JOBS.c.key == task.key, JOBS.c.state == "successful", JOBS.c.gone == 0)
                 .values(state="accepted", started=None, finished=None, seconds=None)
             )
-            is_there = select(WORK.c.key).where(WORK.c.key == key)
+            is_there = select(WORK.c.key).where(WORK.c.key == task.key)
             # All of them may have been dismissed meanwhile: then nobody waits for it.
             if waiting.rowcount and database.execute(is_there).first() is None:
-                database.execute(new)
+                database.execute(_new_work(task))
 
     def job(self, number: str) -> Job | None:
         """Return a job; None if there is no such job."""
@@ -565,13 +535,13 @@ def _is_free(now: float) -> ColumnElement[bool]:
     return WORK.c.owner.is_(None) | (WORK.c.lease < now)
 
 
-def _new_work(**values: str | float) -> Insert:
-    """Return the SQL statement that enters an item of work.
-
-    `values` are its columns; those of an item that has not begun are added.
-    """
-    fresh = {"created": time.time(), "done": 0, "seconds": 0.0, "lease": 0.0}
-    return WORK.insert().values(fresh | values)
+def _new_work(task: Task, seconds: float = 0.0) -> Insert:
+    """Return the SQL statement that enters an item of work, of which no block is computed."""
+    return WORK.insert().values(
+        key=task.key, process=task.process, cells=task.cells, block_cells=task.block_cells,
+        blocks=task.blocks, bytes=task.bytes, price=task.price, created=time.time(), done=0,
+        seconds=seconds, lease=0.0,
+    )  # fmt: skip
 
 
 def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:

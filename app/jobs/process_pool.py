@@ -7,17 +7,18 @@ waits. A process that is killed or dies is replaced.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import multiprocessing
 import os
 import pickle
 import signal
+import threading
 import time
 import traceback
 from collections.abc import Awaitable, Callable
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from importlib import import_module
+from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
 import psutil
@@ -138,11 +139,12 @@ class ProcessPool:
         try:
             ready = asyncio.wrap_future(process.ready)
             await _until_done(ready, float("inf"), look)
-            before = process.busy_seconds(ready.result())
+            ready.result()
+            before = process.busy_seconds()
             if began is not None:
                 await began()
             if not await _until_done(call, seconds, look):
-                if process.busy_seconds(ready.result()) - before < seconds / 2:
+                if process.busy_seconds() - before < seconds / 2:
                     raise SlowError(
                         "The machine of the service is busy: the computation was not ready after "
                         f"{seconds:g} s. Send the request again."
@@ -208,30 +210,54 @@ class ProcessPool:
 
 
 class _Process:
-    """A process that carries out one call after another."""
+    """A process that carries out one call after another, and a thread that waits for it."""
 
     def __init__(self, modules: tuple[str, ...]):
         """Start a process, with the method that every system has."""
-        self._executor = ProcessPoolExecutor(
-            1, multiprocessing.get_context("spawn"), _begin, (modules,)
-        )
-        self.ready: Future[int] = self._executor.submit(os.getpid)
+        spawn = multiprocessing.get_context("spawn")
+        self._connection, there = spawn.Pipe()
+        # Daemonic: one that nobody has killed ends with this process, which else waits for it.
+        self._process = spawn.Process(target=_serve, args=(there, modules), daemon=True)
+        self._process.start()
+        threading.Thread(target=self._process.join, daemon=True).start()  # no zombie stays
+        # Nobody else may hold this end: a process that dies amid its reply is seen by that alone.
+        there.close()
+        self._thread = ThreadPoolExecutor(1)
+        self.ready: Future[None] = self._thread.submit(self._receive)
         self.calls = 0
 
     def submit(self, function: Callable[..., _T], arguments: tuple[Any, ...]) -> Future[_T]:
         """Give the process a call; raises `BrokenProcessPool` if it has died."""
+        if not self._process.is_alive():
+            raise BrokenProcessPool
         self.calls += 1
-        return self._executor.submit(_carry_out, function, arguments)
+        return self._thread.submit(self._call, function, arguments)
 
-    def busy_seconds(self, pid: int) -> float:
+    def busy_seconds(self) -> float:
         """Return the processor time that the process has had so far [s]."""
-        times = psutil.Process(pid).cpu_times()
+        times = psutil.Process(self._process.pid).cpu_times()
         return float(times.user + times.system)
 
     def kill(self) -> None:
-        """Kill the process at once, or as soon as it has started."""
-        self.ready.add_done_callback(_kill)
-        self._executor.shutdown(wait=False, cancel_futures=True)
+        """Kill the process at once."""
+        self._process.kill()
+        self._thread.shutdown(wait=False, cancel_futures=True)
+
+    def _call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+        try:
+            self._connection.send((function, arguments))
+        except OSError as error:
+            raise BrokenProcessPool from error
+        return self._receive()
+
+    def _receive(self) -> Any:
+        try:
+            error, result = self._connection.recv()
+        except (EOFError, OSError) as ended:
+            raise BrokenProcessPool from ended
+        if error is not None:
+            raise error
+        return result
 
 
 async def _until_done(
@@ -245,30 +271,34 @@ async def _until_done(
     return call.done()
 
 
-def _kill(ready: Future[int]) -> None:
-    with contextlib.suppress(psutil.NoSuchProcess):
-        if not ready.cancelled() and ready.exception() is None:
-            psutil.Process(ready.result()).kill()
-
-
-def _begin(modules: tuple[str, ...]) -> None:
-    """Prepare a new process for its calls."""
+def _serve(connection: Connection, modules: tuple[str, ...]) -> None:
+    """Carry out the calls that come, in a new process, until it is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
     end_with_parent()
     for module in modules:
         import_module(module)
     lower_priority(POLITE)  # from now on: a call may be waiting for the process
+    connection.send((None, None))  # it is ready
+    while True:
+        function, arguments = connection.recv()
+        reply = _carry_out(function, arguments)
+        try:
+            connection.send(reply)
+        except (pickle.PicklingError, AttributeError, TypeError) as error:
+            connection.send((RuntimeError(repr(error)), None))
 
 
-def _carry_out(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """Call a function; an error that cannot be sent becomes a `RuntimeError` with its text."""
+def _carry_out(
+    function: Callable[..., Any], arguments: tuple[Any, ...]
+) -> tuple[Exception | None, Any]:
+    """Return the error or the result of a call; what cannot be sent is a `RuntimeError`."""
     try:
-        return function(*arguments)
+        return None, function(*arguments)
     except Exception as error:
         if not isinstance(error, VibrafeedError):
             error.add_note(traceback.format_exc())
         try:
             pickle.loads(pickle.dumps(error))
         except Exception:
-            raise RuntimeError(f"{error!r}\n{traceback.format_exc()}") from None
-        raise
+            return RuntimeError(f"{error!r}\n{traceback.format_exc()}"), None
+        return error, None

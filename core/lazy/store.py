@@ -8,7 +8,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -210,6 +210,11 @@ class ZarrStore:
         """The text by which a run knows its own group."""
         return {"study": self.prepared.study.key(), "version": code_version()}
 
+    @cached_property
+    def blocks(self) -> Blocks:
+        """The blocks of the study."""
+        return Blocks(self.prepared)
+
     def begin(self, outline: Table, *, resume: bool = False) -> None:
         """Create the group; with `resume` keep one that a run of the same study has begun.
 
@@ -236,8 +241,8 @@ class ZarrStore:
             self._create(outline)
 
     def _create(self, outline: Table) -> None:
-        blocks, group = Blocks(self.prepared), open_group(self.under_way, create=True)
-        chunks = {name: blocks.chunk(name) for name in outline.variables}
+        group = open_group(self.under_way, create=True)
+        chunks = {name: self.blocks.chunk(name) for name in outline.variables}
         create_arrays(group, outline, sizes=self.prepared.grid.shape, chunks=chunks)
         for name, one in coordinates_of(self.prepared.plan, self.prepared.grid).items():
             put(group, name, ..., one.values)
@@ -247,14 +252,14 @@ class ZarrStore:
 
     def missing(self) -> list[int]:
         """Return the numbers of the blocks that are not stored."""
-        blocks, there = Blocks(self.prepared), keys_in(self.under_way)
-        return [k for k in range(len(blocks)) if not self._keys(blocks, blocks[k]) <= there]
+        there = keys_in(self.under_way)
+        return [k for k in range(len(self.blocks)) if not self._keys(self.blocks[k]) <= there]
 
-    def _keys(self, blocks: Blocks, block: Block) -> set[str]:
+    def _keys(self, block: Block) -> set[str]:
         dims = self.prepared.dims
         return {
             "/".join([name, "c", *(str(block.at[dim]) for dim in dims[name])])
-            for name in blocks.regions(block)
+            for name in self.blocks.regions(block)
         }
 
     def write(self, index: int, watch: Watch) -> None:
@@ -265,14 +270,13 @@ class ZarrStore:
         StoppedError
             If `watch` stops it.
         """
-        blocks = Blocks(self.prepared)
-        block, arrays = blocks[index], blocks.compute(index, watch)
+        block, arrays = self.blocks[index], self.blocks.compute(index, watch)
         stored = _opened(self.under_way, self.prepared.study.key())
         with plain_errors():
-            for name, region in blocks.regions(block).items():
+            for name, region in self.blocks.regions(block).items():
                 put(stored, name, region, arrays[name])
         if "://" not in self.where:
-            for key in self._keys(blocks, block):
+            for key in self._keys(block):
                 sync(Path(self.under_way) / key)
 
     def store(self, watch: Watch) -> None:
@@ -283,7 +287,7 @@ class ZarrStore:
         StoppedError
             If `watch` stops it; the blocks that were written by then stay.
         """
-        missing, count = self.missing(), len(Blocks(self.prepared))
+        missing, count = self.missing(), len(self.blocks)
         watch.advance(1 - len(missing) / count)
         for _ in _computed(self.write, missing, AT_ONCE, watch.part(len(missing) / count)):
             pass

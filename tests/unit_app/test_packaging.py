@@ -65,6 +65,7 @@ def test_the_base_of_the_image_is_named_by_its_digest_and_has_an_init(dockerfile
 def test_the_health_check_of_the_image_fails_unless_the_reply_is_200(dockerfile):
     values = {entry["instruction"]: entry["value"] for entry in dockerfile.structure}
     command = json.loads(values["HEALTHCHECK"].partition(" CMD ")[2])
+    tool(command[0])
     for status, code in ((b"200 OK", 0), (b"503 Service Unavailable", 1)):
         with socket.create_server(("127.0.0.1", 0)) as listening:
             port = str(listening.getsockname()[1])

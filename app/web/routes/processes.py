@@ -173,10 +173,11 @@ async def execute(
     if process not in PROCESSES:
         raise _missing(process)
     wishes = preferences(request.headers.getlist("prefer"))
-    begun = await _reply_or_job(request, process, body, settings, admission, who)
-    if isinstance(begun, Response):
-        return begun
-    job = begun
+    job = await _reply_or_job(
+        request, process, body, settings, admission, who, respond_async=wishes.respond_async
+    )
+    if isinstance(job, Response):
+        return job
     if wishes.wait is not None:
         seconds = min(wishes.wait, int(settings.max_wait_seconds))
         wishes = replace(wishes, wait=seconds)  # as it is applied
@@ -195,7 +196,14 @@ async def execute(
 
 
 async def _reply_or_job(
-    request: Request, name: str, body: bytes, settings: Settings, admission: Admission, who: Key
+    request: Request,
+    name: str,
+    body: bytes,
+    settings: Settings,
+    admission: Admission,
+    who: Key,
+    *,
+    respond_async: bool,
 ) -> Response | Job:
     """Return the reply with the dataset of a short study, or the job that the study has become.
 
@@ -209,15 +217,16 @@ async def _reply_or_job(
         The service's.
     who : Key
         The API key of the request.
+    respond_async : bool
+        True if the client asks for a job in any case.
 
     Raises
     ------
     ClientDisconnect
         If the client has left and has not asked for a job; a job that was posted is dismissed.
     """
-    wishes = preferences(request.headers.getlist("prefer"))
     task: bytes | Task
-    if name == ACCURACY or wishes.respond_async:
+    if name == ACCURACY or respond_async:
         async with slot_of(request, len(body), POST):
             task = await _task(request, name, body, settings, who)
     else:
@@ -226,7 +235,7 @@ async def _reply_or_job(
     if isinstance(task, bytes):
         return Response(task, media_type=JSON)
     job = await run_in_threadpool(admission.post, task, who)
-    if not wishes.respond_async:
+    if not respond_async:
         await _dismiss_if_left(request, admission, job, who)
     return job
 

@@ -15,6 +15,7 @@ from vibrafeed.app.jobs.keys import Key
 from vibrafeed.app.jobs.ledger import ACTIVE, Ledger, Wanted
 from vibrafeed.app.jobs.quota import Quota
 from vibrafeed.app.jobs.store import Store
+from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.settings import Settings
 from waiting import PATIENCE
 
@@ -34,16 +35,8 @@ def ledgers(request, tmp_path):
 
 
 def post(ledger, key="k", *, seconds=None, owner=""):
-    return ledger.post(
-        key,
-        "simulate",
-        cells=100,
-        block_cells=10,
-        blocks=10,
-        bytes_=1000,
-        finished_seconds=seconds,
-        owner=owner,
-    )
+    task = Task(key, "simulate", "", cells=100, block_cells=10, blocks=10, bytes=1000, price=0.0)
+    return ledger.post(task, finished_seconds=seconds, owner=owner)
 
 
 def test_servers_count_the_bytes_of_an_owner_alike(ledgers, tmp_path):

@@ -12,6 +12,7 @@ from vibrafeed.app.jobs.database import Database
 from vibrafeed.app.jobs.errors import DamagedLedgerError, LaterLedgerError
 from vibrafeed.app.jobs.ledger import Ledger, Wanted
 from vibrafeed.app.jobs.tables import TABLES, UPGRADES
+from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.settings import Settings
 
 # The tables as they were before versions of them were kept.
@@ -185,9 +186,7 @@ def test_a_ledger_is_empty_until_something_is_entered(tmp_path):
 def test_a_page_of_many_jobs_is_found_without_sorting_them(tmp_path, states):
     ledger = Ledger(tmp_path / "jobs.sqlite3")
     for number in range(3):
-        ledger.post(
-            str(number), "sweep", cells=1, block_cells=1, blocks=1, bytes_=1, finished_seconds=1.0
-        )
+        ledger.post(Task(str(number), "sweep", "", 1, 1, 1, 1, 0.0), finished_seconds=1.0)
     asked = []
     event.listen(
         ledger.database._engine(), "before_cursor_execute", lambda *a: asked.append(a[2:4])

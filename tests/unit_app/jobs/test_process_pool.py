@@ -6,9 +6,11 @@ import asyncio
 import gc
 import os
 import signal
+import struct
 import subprocess
 import sys
 import time
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
@@ -53,6 +55,12 @@ def die():
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+def die_amid_the_reply():
+    (pipe,) = (one for one in gc.get_objects() if isinstance(one, Connection))
+    os.write(pipe.fileno(), struct.pack("!i", 1000) + b"half of it")
+    die()
+
+
 def local_lambda():
     return lambda: None
 
@@ -83,6 +91,14 @@ def test_a_function_returns_from_another_process_which_is_used_again():
     first, second = carried_out(*[lambda pool: pool(os.getpid, seconds=60)] * 2)
     assert first == second != os.getpid()
     wait_for(lambda: not is_there(first))  # the pool is closed
+
+
+def test_a_process_that_dies_amid_its_reply_is_replaced():
+    ended, found = carried_out(
+        lambda pool: pool(die_amid_the_reply), lambda pool: pool(same, "another")
+    )
+    assert isinstance(ended, EndedError)
+    assert found == "another"
 
 
 def test_results_come_back_as_they_were():
@@ -138,7 +154,7 @@ def test_what_takes_too_long_is_ended_and_others_go_on(tmp_path):
 @pytest.mark.parametrize(("busy", "error"), [(0.4, SlowError), (0.6, StoppedError)])
 def test_a_busy_machine_is_not_what_takes_too_long(busy, error, monkeypatch):
     spent = iter([1.0, 1.0 + busy])
-    monkeypatch.setattr(_Process, "busy_seconds", lambda self, pid: next(spent))
+    monkeypatch.setattr(_Process, "busy_seconds", lambda self: next(spent))
     [held] = carried_out(lambda pool: pool(time.sleep, 1e6, seconds=1))
     assert type(held) is error
 

@@ -20,6 +20,7 @@ from local_client import local_client
 from posted_sweeps import STUDY
 from vibrafeed import core
 from vibrafeed.app.jobs.ledger import Work
+from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
 from waiting import PATIENCE, wait_for
@@ -146,14 +147,13 @@ def test_jobs_are_counted_by_their_state_in_one_look(client, monkeypatch):
 
 
 def test_the_queue_tells_what_waits_and_for_how_long(client, monkeypatch):
-    post = {"cells": 1, "block_cells": 1, "blocks": 1, "bytes_": 1, "finished_seconds": None}
     ledger = client.app.state.admission.ledger
     assert figures(client)["vibrafeed_oldest_waiting_seconds",] == 0
     now = time.time()
     monkeypatch.setattr(time, "time", lambda: now - 100)
-    ledger.post("first", "sweep", **post)
+    ledger.post(Task("first", "sweep", "", 1, 1, 1, 1, 0.0), finished_seconds=None)
     monkeypatch.setattr(time, "time", lambda: now - 50)
-    ledger.post("second", "sweep", **post)
+    ledger.post(Task("second", "sweep", "", 1, 1, 1, 1, 0.0), finished_seconds=None)
     monkeypatch.setattr(time, "time", lambda: now)
     found = figures(client)
     assert found["vibrafeed_work", "waiting"] == 2

@@ -17,6 +17,7 @@ from posted_sweeps import problem
 from two_keys import ASYNC, SLICE, study
 from vibrafeed.app.jobs import audit
 from vibrafeed.app.jobs.keys import Key
+from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.entry import INVALID
@@ -366,7 +367,7 @@ class TestOver:
         key = ledger.job(job).key
         ledger.end(ledger.claim("server", 60.0), None, 1)
         ledger.dismiss(job)
-        ledger.reenter(key, "sweep", cells=1, block_cells=1, blocks=1, bytes_=1)
+        ledger.reenter(Task(key, "sweep", "", 1, 1, 1, 1, 0.0))
         assert ledger.promised() == {}
 
     def test_each_owner_keeps_jobs_of_their_own(self, house):
@@ -374,11 +375,12 @@ class TestOver:
         for name, count in (("one", 2), ("other", 6)):
             numbers[name] = [
                 ledger.post(
-                    f"{name}{n}", "sweep", cells=1, block_cells=1, blocks=1, bytes_=1,
-                    finished_seconds=1.0, owner=name,
+                    Task(f"{name}{n}", "sweep", "", 1, 1, 1, 1, 0.0),
+                    finished_seconds=1.0,
+                    owner=name,
                 ).id
                 for n in range(count)
-            ]  # fmt: skip
+            ]
         ledger.forget(0.0, 3)
         assert all(ledger.job(number) for number in numbers["one"])
         assert sum(ledger.job(number) is not None for number in numbers["other"]) == 3
