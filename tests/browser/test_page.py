@@ -20,7 +20,7 @@ from looking import (
     taken_away,
     typed,
 )
-from night import first_by_day
+from night import spread
 from waiting import wait_for
 
 TRACK = (
@@ -51,7 +51,7 @@ def at_cursor(page: Page, moves: str = "") -> str:
     return page.locator("#picture .said").inner_text()
 
 
-@pytest.mark.parametrize("question", first_by_day(ANSWERS, len(ANSWERS)))
+@pytest.mark.parametrize("question", spread(ANSWERS, len(ANSWERS)))
 def test_each_question_is_answered_on_top(page: Page, address: str, question: str) -> None:
     opened(page, f"{address}/#question={question}")
     number, sentence = ANSWERS[question]
@@ -196,7 +196,7 @@ def test_designs_are_kept_and_compared(page: Page, address: str) -> None:
     expect(row.locator("td")).to_have_count(4)
 
 
-@pytest.mark.parametrize("question", first_by_day(ANSWERS, 3))
+@pytest.mark.parametrize("question", spread(ANSWERS, 3))
 def test_nothing_stands_in_the_way_of_anybody(page: Page, address: str, question: str) -> None:
     for width, height in ((1280, 900), (390, 800)):
         page.set_viewport_size({"width": width, "height": height})

@@ -20,7 +20,7 @@ from playwright.sync_api import Page
 
 from access import KEY, lock
 from looking import settled, taken_away
-from night import first_by_day
+from night import spread
 from services import ROOT, Service, services
 from tools import tool
 
@@ -80,7 +80,7 @@ def carried_out(command: list[str], folder: Path, **environment: str) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("name", first_by_day(VIEWS))
+@pytest.mark.parametrize("name", spread(VIEWS, 1))
 def test_ten_views_are_taken_away_in_every_form(
     page: Page, service: Service, saved: Callable[[str], Path], tmp_path: Path, name: str
 ) -> None:

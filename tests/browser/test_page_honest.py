@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from looking import opened, revealed, taken_away, typed
-from night import NIGHT
+from night import NIGHT, spread
 from tools import tool
 
 CLOSED = (
@@ -24,6 +24,7 @@ MOTION = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
     "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4"
 )
+LINES = MOTION.replace("&y=beta:5:60", "&y=&p.beta=30")
 SHIFTS = """
 window.shifted = 0;
 new PerformanceObserver((list) => {
@@ -98,8 +99,7 @@ def test_borders_lie_where_the_part_lifts_off(page: Page, address: str) -> None:
     assert min(max(ring) for ring in inside if len(ring) > 50) < 1.5
 
 
-@pytest.mark.by_day(2)  # a map and lines
-@pytest.mark.parametrize("link", [CLOSED, MOTION, MOTION.replace("&y=beta:5:60", "&y=&p.beta=30")])
+@pytest.mark.parametrize("link", spread([CLOSED, MOTION, LINES], 2))
 def test_a_saved_picture_says_what_it_shows(
     page: Page, address: str, tmp_path: Path, link: str
 ) -> None:

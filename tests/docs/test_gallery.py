@@ -12,6 +12,7 @@ import xarray
 import vibrafeed
 from benchmarks.gallery import GALLERY, LARGEST, PAGE, PICTURES, STUDIES, Picture, page
 from layout import judge
+from night import spread
 from vibrafeed.core.intake import load_study
 from vibrafeed.core.plots.film import read_film
 from vibrafeed.core.study.shown import ShownUnits
@@ -43,8 +44,7 @@ def test_the_page_is_that_of_the_program():
     assert all(picture.judged.endswith(".") for picture in GALLERY)
 
 
-@pytest.mark.by_day(4)
-@pytest.mark.parametrize("picture", GALLERY, ids=lambda picture: picture.file)
+@pytest.mark.parametrize("picture", spread(GALLERY, 4), ids=lambda picture: picture.file)
 def test_every_study_runs_and_every_picture_can_be_read(picture: Picture):
     datasets = [carried_out(name) for name in picture.studies]
     asked = options(picture)

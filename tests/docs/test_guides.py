@@ -84,7 +84,7 @@ def test_its_lines_stand_where_the_page_says(tree: Path, page: Path) -> None:
 
 def test_adding_a_scene(tree: Path) -> None:
     page = (ROOT / "docs" / "adding-a-scene.md").read_text(encoding="utf-8")
-    test = "tests/unit_core/scenes/test_ball_on_plane.py"
+    test = "tests/fast/core/scenes/test_ball_on_plane.py"
     assert carry_out(page, tree) == [
         "core/scenes/ball_on_plane.py", "core/scenes/__init__.py", test,
         "configs/ball-on-plane.toml",
@@ -114,7 +114,7 @@ def test_adding_a_scene(tree: Path) -> None:
 @pytest.mark.night
 def test_adding_a_method(tree: Path) -> None:
     page = (ROOT / "docs" / "adding-a-method.md").read_text(encoding="utf-8")
-    test = "tests/unit_core/motion/test_midpoint.py"
+    test = "tests/fast/core/motion/test_midpoint.py"
     assert carry_out(page, tree) == [
         "core/motion/midpoint.py", "core/motion/systems.py", test,
     ]  # fmt: skip
@@ -152,7 +152,7 @@ def test_adding_a_method(tree: Path) -> None:
 @pytest.mark.night
 def test_adding_a_kind(tree: Path, tmp_path: Path) -> None:
     page = (ROOT / "docs" / "adding-a-kind.md").read_text(encoding="utf-8")
-    test = "tests/unit_core/test_mean.py"
+    test = "tests/fast/core/test_mean.py"
     assert carry_out(page, tree) == [
         "core/mean/__init__.py", "core/mean/kind.py", "core/kinds/__init__.py", test,
     ]  # fmt: skip

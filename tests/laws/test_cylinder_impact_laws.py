@@ -9,8 +9,6 @@ import pytest
 
 from impacts import CLOSE, IMPACTS, LAWS, evaluate, mirrored, swapped, where
 
-pytestmark = pytest.mark.slow  # the first test computes the impacts of all
-
 
 def unit(x: np.ndarray) -> np.ndarray:
     return x / np.linalg.norm(x, axis=0)

@@ -13,7 +13,7 @@ import pytest
 
 from benchmarks import waves as drives
 from benchmarks.every_status import FAMILIES, ROUNDING, Judged, course_of, judged
-from night import count
+from night import count, spread
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.events import (
@@ -55,8 +55,7 @@ def of(family: str) -> Judged:
     return judged(groups_of(family), max_periods=MOST, periods=PERIODS)
 
 
-@pytest.mark.by_day(2)
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", spread(FAMILIES, 2))
 def test_a_bound_holds_the_mean_of_the_course(family):
     found = of(family)
     told = ~np.isin(found.status, [STATUS["aperiodic"], STATUS["limit_reached"]])

@@ -16,13 +16,13 @@ from benchmarks.honest_estimates import (
     rated,
 )
 from benchmarks.motions import planar_motion
+from night import spread
 from vibrafeed.core.motion.method import STATUS
 
 STUDIES = {"spatial": 800, "events": 800, "chaos": 300}
 
 
-@pytest.mark.by_day(1)
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", spread(STUDIES, 1))
 def test_the_true_error_is_seldom_larger_than_the_stated_one(name: str) -> None:
     for row in ESTIMATES[name][0](STUDIES[name]):
         assert row.judged > 200

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from night import spread
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.optimise.problem import STATUS
@@ -229,8 +230,7 @@ def test_the_physical_track_with_each_contact_at_its_limit():
             assert (moves & (at_wall == wall) & (at_floor == floor)).sum() > 5, (wall, floor)
 
 
-@pytest.mark.by_day(1)
-@pytest.mark.parametrize("scene", ["rectangle-on-plane", "cylinder-on-plane"])
+@pytest.mark.parametrize("scene", spread(["rectangle-on-plane", "cylinder-on-plane"], 1))
 def test_the_physical_plane_has_no_trade_off(scene):
     falling = sorted(-abs(angle) for angle in GAMMA)
     dataset = run_study(

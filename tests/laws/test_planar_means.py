@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from benchmarks.waves import PLANAR, as_harmonic, bouncing
-from night import count
+from night import count, spread
 from vibrafeed.core.compiled import compiled
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
@@ -188,8 +188,7 @@ def closes(found: Course, multiple: float) -> tuple[float, float] | None:
     return mean, abs(back[event]) + abs(found.slip[-1] - found.slip[event])
 
 
-@pytest.mark.by_day(1)
-@pytest.mark.parametrize("wave", [False, True])
+@pytest.mark.parametrize("wave", spread([False, True], 1))
 def test_the_mean_is_that_of_the_course_from_rest(wave):
     """`periodic`: one more cycle closes, with that mean. Else: the mean of a long course."""
     pick = np.random.default_rng(13 + wave)

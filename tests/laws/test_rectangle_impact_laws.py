@@ -10,8 +10,6 @@ import pytest
 from impacts import CLOSE, IMPACTS, LAWS, evaluate, mirrored, swapped, where
 from vibrafeed.core.mechanics import impact
 
-pytestmark = pytest.mark.slow  # the first test computes the impacts of all
-
 
 @functools.cache
 def rectangles() -> dict[str, np.ndarray]:

@@ -11,6 +11,7 @@ import pytest
 from benchmarks.honest_estimates import by_events, random_groups
 from benchmarks.motions import reference_motion, reference_path
 from mean_velocities import GRAVITY, MEAN_VELOCITIES
+from night import spread
 from vibrafeed.core.motion.method import STATUS
 from vibrafeed.core.motion.reference.stretch import TERMS, crossings, first_fall
 
@@ -142,8 +143,7 @@ def test_what_was_not_shown_to_repeat_has_an_error(name: str, max_periods: int) 
     assert found.status != STATUS["aperiodic"] or float(found.error) > 1e-6
 
 
-@pytest.mark.by_day(2)
-@pytest.mark.parametrize("multiple", [2, 3, 7, 16])
+@pytest.mark.parametrize("multiple", spread([2, 3, 7, 16], 2))
 def test_multiples(multiple: int) -> None:
     groups = random_groups(3000, 21, throw=(2.5, 4.5), most_restitution=0.4)
     exact = by_events(groups)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from night import spread
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.motion.events import motion_by_events, spatial_motion, spatial_path
@@ -51,10 +52,9 @@ def drive_of(groups: Groups) -> np.ndarray:
     )
 
 
-@pytest.mark.by_day(2)
 @pytest.mark.parametrize(
     ("contacts", "curved"),
-    [(PLANE, False), (TRACK, False), (TRACK, True), (CYLINDER, False)],
+    spread([(PLANE, False), (TRACK, False), (TRACK, True), (CYLINDER, False)], 2),
 )
 def test_means_are_those_of_the_reference(contacts, curved):
     """Two witnesses that share nothing: the reference has neither kernels nor series."""

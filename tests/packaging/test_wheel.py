@@ -15,8 +15,6 @@ import vibrafeed
 from tools import tool
 from waiting import PATIENCE
 
-pytestmark = pytest.mark.slow
-
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("core", "app", "configs", "vibrafeed")
 BUNDLE = "vibrafeed/app/page/bundle.js"

@@ -1,0 +1,67 @@
+"""The JSON Schema of studies says what the models say, once."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from night import spread
+from schemas import expanded, whole_schema
+from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.quantities import QUANTITIES, WORDS
+from vibrafeed.core.schema import by_reference
+
+MOST = 300_000  # bytes as `vibrafeed scenes --schema` prints it; it was 4.8 million
+NAMED = ("scene", "outputs", "variant", "method")
+"""Keys whose values are names that the models do not list."""
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return whole_schema(tmp_path_factory)
+
+
+def test_it_is_small_and_every_reference_leads_somewhere(whole):
+    text = json.dumps(whole, indent=0, allow_nan=False)
+    assert len(text) <= MOST
+    assert len(text) > 100_000  # nothing was lost on the way
+    references = {part.partition('"')[0] for part in text.split('"$ref": "#/$defs/')[1:]}
+    assert references <= set(whole["$defs"])
+    shared = {name for name in whole["$defs"] if name.startswith("shared-")}
+    assert shared <= references, "of a definition that nobody uses there is no need"
+
+
+@pytest.mark.parametrize("place", spread(range(len(KINDS)), 3))
+def test_each_kind_is_that_of_its_model(whole, place):
+    kind = list(KINDS.values())[place]
+    schema = expanded(whole["oneOf"][place], whole)
+    model = kind.model.model_json_schema()
+    plain = expanded({key: part for key, part in model.items() if key != "$defs"}, model)
+    for name in plain["properties"].keys() - NAMED - kind.choices.keys():
+        assert schema["properties"][name] == plain["properties"][name], name
+    assert {**schema, "properties": 0} == {**plain, "properties": 0}
+    parameters = schema["properties"]["parameters"]["properties"]
+    assert set(parameters) == {name for name, one in QUANTITIES.items() if one.parameter} | {*WORDS}
+
+
+def test_what_occurs_once_or_is_short_stays_where_it_is():
+    long = {"type": "string", "enum": ["a" * 30, "b" * 30]}
+    once = {"type": "string", "enum": ["c" * 30, "d" * 30]}
+    kind = {
+        "properties": {
+            "one": {**long, "title": "One"}, "other": {**long, "description": "Another."},
+            "third": {**once}, "short": {"type": "number"}, "again": {"type": "number"},
+        },
+    }  # fmt: skip
+    assert by_reference([kind], {})["oneOf"] == [
+        {
+            "properties": {
+                "one": {"$ref": "#/$defs/shared-1", "title": "One"},
+                "other": {"$ref": "#/$defs/shared-1", "description": "Another."},
+                "third": once, "short": {"type": "number"}, "again": {"type": "number"},
+            },
+        }
+    ]  # fmt: skip
+    assert by_reference([kind], {})["$defs"] == {"shared-1": long}
