@@ -47,8 +47,8 @@ from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.system import cores, sync
 from vibrafeed.core.watch import Watch
 
-STORED_CELLS = 1 << 18
-"""Cells of a block that is stored, and of a chunk of its file: 2 MiB a variable."""
+STORED_CELLS = 1 << 20
+"""Cells of a block that is stored, and of a chunk of its file: 8 MiB a variable."""
 AT_ONCE = 1024
 """Blocks that dask is told of at once: each takes it 15 KB."""
 Region = tuple[slice, ...]
