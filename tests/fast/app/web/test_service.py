@@ -1,320 +1,41 @@
-"""The HTTP interface with a store of its own."""
+"""The HTTP interface: the catalogue, studies that are read, refused, converted and computed."""
 
 from __future__ import annotations
 
 import codecs
 import contextlib
 import json
+import re
 import sqlite3
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
+import threading
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
+import vibrafeed
+from benchmarks.quantities_page import PAGE, page
 from local_client import local_client
-from posted_sweeps import STUDY
+from posted_sweeps import STUDY, problem
+from recordings import DRIVE, csv_of, signal_of
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from vibrafeed.app.web.calculations import read_task
+from vibrafeed.app.web import calculations
+from vibrafeed.app.web.execution import PROCESSES
+from vibrafeed.app.web.openapi import StudySchema
 from vibrafeed.app.web.routes import processes
+from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.intake import parse_study
+from vibrafeed.core.intake.forms import FORMS, REQUESTS, to_toml
+from vibrafeed.core.intake.section import MAX_ROWS_SENT
 from vibrafeed.core.kinds import run_study
+from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.scenes import SCENES
 
-
-@pytest.fixture
-def settings(tmp_path: Path) -> Settings:
-    return Settings(data_directory=tmp_path, max_body_bytes=20_000, max_cells=10**6)
-
-
-@pytest.fixture
-def client(settings: Settings):
-    with local_client(create_app(settings), raise_server_exceptions=False) as client:
-        yield client
-
-
-@pytest.fixture
-def posted(client: TestClient) -> str:
-    return client.post("/sweeps", json=STUDY).json()["id"]
-
-
-def problem(response, status: int = 422) -> dict:
-    assert response.status_code == status, response.text
-    assert response.headers["content-type"] == "application/problem+json"
-    document = response.json()
-    assert document["status"] == status
-    assert document["title"]
-    assert document["detail"]
-    return document
-
-
-def test_health(client):
-    assert client.get("/healthz").json()["status"] == "ok"
-
-
-def test_head_is_answered_wherever_get_is(client):
-    for path, operations in client.get("/openapi.json").json()["paths"].items():
-        if "get" in operations:
-            assert client.head(path).status_code != 405, path
-    for path in ("/", "/healthz", "/readyz", "/scenes", "/processes/sweep", "/jobs"):
-        head = client.head(path)
-        assert head.status_code == client.get(path).status_code
-        assert head.headers["content-type"] == client.get(path).headers["content-type"]
-    number = client.post(
-        "/processes/sweep/execution", json=STUDY, headers={"Prefer": "respond-async"}
-    ).json()["jobID"]
-    assert "content-length" not in client.head(f"/jobs/{number}/events").headers
-
-
-@pytest.mark.parametrize(
-    ("method", "path", "allowed"),
-    [
-        ("PUT", "/jobs/x", "DELETE, GET, HEAD, PATCH"),
-        ("PUT", "/sweeps/x", "GET, HEAD, PATCH"),
-        ("GET", "/processes/sweep/execution", "POST"),
-        ("POST", "/page/page.css", "GET, HEAD"),
-    ],
-)
-def test_a_method_that_is_not_allowed_lists_those_that_are(client, method, path, allowed):
-    reply = client.request(method, path)
-    problem(reply, 405)
-    assert reply.headers["allow"] == allowed
-
-
-def test_a_coded_body_is_refused_and_a_mark_of_utf_8_accepted(client):
-    body = json.dumps(STUDY).encode()
-    for path in ("/sweeps", "/processes/sweep/execution", "/convert?to=json"):
-        coded = client.post(path, content=body, headers={"Content-Encoding": "gzip"})
-        assert "Content-Encoding" in problem(coded, 415)["detail"]
-    assert client.post("/sweeps", content=codecs.BOM_UTF8 + body).status_code == 201
-
-
-def test_a_number_of_very_many_digits_is_told_in_our_words(client):
-    body = b'{"parameters": {"friction": ' + b"1" * 15_000 + b"}}"
-    (error,) = problem(client.post("/sweeps", content=body))["errors"]
-    assert error["message"] == "it is a number larger than 1.8e308"
-
-
-def test_the_schema_is_made_once_and_sent_to_whom_has_it_not(client, monkeypatch):
-    first = client.get("/schema")
-    assert len(first.content) <= 300_000
-    monkeypatch.setattr(
-        "vibrafeed.app.web.routes.scenes.study_schema_text", None
-    )  # it is not made again
-    again = client.get("/schema", headers={"If-None-Match": first.headers["etag"]})
-    assert (again.status_code, again.content) == (304, b"")
-    other = client.get("/schema", headers={"If-None-Match": '"another"'})
-    assert (other.status_code, other.content) == (200, first.content)
-
-
-def test_the_catalogue_lists_and_describes_every_scene(client):
-    assert [line["name"] for line in client.get("/scenes").json()] == list(SCENES)
-    for name, scene in SCENES.items():
-        for variant in scene.variants:
-            told = client.get(f"/scenes/{name}", params={"variant": variant}).json()
-            assert [output["name"] for output in told["outputs"]] + ["regime"] == list(
-                scene.outputs(variant)
-            )
-    problem(client.get("/scenes/nowhere"), 404)
-    problem(client.get("/scenes/rectangle-on-track", params={"variant": "x"}))
-
-
-def test_a_study_is_addressed_by_its_content(client):
-    first = client.post("/sweeps", json=STUDY)
-    assert first.status_code == 201
-    again = client.post("/sweeps", json={**STUDY, "kind": "sweep"})
-    assert again.status_code == 200
-    assert first.json() == again.json()
-    assert first.headers["location"].endswith(f"/sweeps/{first.json()['id']}")
-    other = client.post("/sweeps", json={**STUDY, "variant": "thesis"})
-    assert other.json()["id"] != first.json()["id"]
-    assert first.json()["warnings"] == []
-    wide = {**STUDY, "parameters": {**STUDY["parameters"], "amplitude": 0.3}}
-    (line,) = client.post("/sweeps", json=wide).json()["warnings"]
-    assert line.startswith("amplitude = 0.3 means 300 mm; usual values are")
-    told = client.get(f"/sweeps/{first.json()['id']}").json()
-    assert told["cells"] == 11 * 2 * 10 * 7
-    assert told["outputs"][2] == {
-        "name": "throw_number",
-        "unit": "1",
-        "label": "Throw number",
-        "dims": ["frequency", "amplitude", "beta"],
-        "source": "theory 13.2",
-    }
-
-
-def test_a_slice_is_a_piece_of_the_whole(client, posted):
-    whole = run_study(parse_study(STUDY))
-    piece = client.get(
-        f"/sweeps/{posted}/slice",
-        params={
-            "output": "transport_velocity",
-            "axes": "alpha,frequency",
-            "beta": "15 deg",
-            "amplitude": "0.5 mm",
-        },
-    ).json()
-    expected = whole.transport_velocity.sel(beta=15, amplitude=5e-4)
-    # One evaluation over a grid and one over its piece run the same operations on each cell.
-    assert piece["values"]["dims"] == ["alpha", "frequency"]
-    np.testing.assert_array_equal(np.array(piece["values"]["data"]).T, expected)
-    np.testing.assert_array_equal(
-        np.array(piece["regime"]["data"]).T, whole.regime.sel(beta=15, amplitude=5e-4)
-    )
-    assert piece["fixed"]["beta"] == 15
-    assert piece["regimes"]["flight"]["valid"] is False
-
-
-def test_a_slice_asks_only_for_the_axes_that_its_output_needs(client, posted):
-    piece = client.get(
-        f"/sweeps/{posted}/slice",
-        params={"output": "throw_number", "axes": "beta", "frequency": 60 - 10, "amplitude": 5e-4},
-    )
-    assert piece.status_code == 200, piece.text
-    assert "alpha" not in piece.json()["fixed"]
-    assert "distance" not in piece.json()["fixed"]
-
-
-@pytest.mark.parametrize(
-    ("change", "place", "words"),
-    [
-        ({"output": "velocity"}, "output", "Did you mean"),
-        ({"axes": "bta"}, "axes", "Did you mean 'beta' (elevation)?"),
-        ({"axes": "alpha,beta,frequency"}, "axes", "one or two"),
-        ({"frequency": "55 Hz"}, "frequency", "nearest are 50 and 60 Hz"),
-        ({"frequency": "55 kg"}, "frequency", "Hz"),
-        ({"frequency": None}, "frequency", "from 20 to 120 Hz"),
-        ({"radius": 1}, "radius", "Known: alpha"),
-    ],
-)
-def test_a_wrong_slice_is_explained(client, posted, change, place, words):
-    good = {"output": "acceleration_x", "axes": "beta", "frequency": 50, "amplitude": 5e-4}
-    params = {k: v for k, v in {**good, "alpha": 10, **change}.items() if v is not None}
-    document = problem(client.get(f"/sweeps/{posted}/slice", params=params))
-    found = {error["place"]: f"{error['message']} {error['fix']}" for error in document["errors"]}
-    assert words in found[place]
-
-
-def test_the_netcdf_download_opens_in_a_fresh_process(client, posted, tmp_path):
-    response = client.get(f"/sweeps/{posted}/netcdf")
-    assert response.status_code == 200
-    assert response.headers["content-type"] == "application/x-netcdf"
-    (tmp_path / "x.nc").write_bytes(response.content)
-    code = (
-        "import sys, xarray\n"
-        "d = xarray.open_dataset(sys.argv[1], engine='netcdf4')\n"
-        "print(d.transport_velocity.dims, d.regime.dtype, d.attrs['Conventions'])"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path / "x.nc")],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert "('frequency', 'amplitude', 'alpha', 'beta') int8 CF-1.11" in done.stdout
-    assert client.get(f"/sweeps/{posted}/netcdf").content == response.content
-
-
-def test_files_are_written_by_one_thread_however_many_ask(client):
-    """Eight threads in the NetCDF library at once crash the process."""
-
-    def fetch(friction: float) -> int:
-        study = {**STUDY, "parameters": {**STUDY["parameters"], "friction": friction}}
-        key = client.post("/sweeps", json=study).json()["id"]
-        return client.get(f"/sweeps/{key}/netcdf").status_code
-
-    with ThreadPoolExecutor(8) as pool:
-        assert set(pool.map(fetch, np.linspace(0, 1, 24).tolist())) == {200}
-
-
-@pytest.mark.parametrize(
-    "body",
-    [
-        b"",
-        b"[]",
-        b"nonsense",
-        b'{"kind": NaN}',
-        b'{"kind": "sweep", "kind": "sweep"}',
-        b'{"kind": 1e400}',
-        b'{"kind": ' + b"[" * 9000 + b"}",
-        b"\xff\xfe\x00",
-        b'{"kind": "sweep", "scene": "../../etc/passwd", "outputs": ["x"], "parameters": {}}',
-        b'{"kind": "sweep", "scene": {}, "outputs": 3, "parameters": []}',
-        b'{"kind":"sweep","scene":"rectangle-on-plane","outputs":["throw_number"],'
-        b'"parameters":{"frequency":1e400}}',
-    ],
-)
-def test_a_body_that_is_no_study_gets_a_problem_document(client, body):
-    document = problem(client.post("/sweeps", content=body))
-    assert all(error["message"] and error["fix"] for error in document["errors"])
-
-
-def test_limits_are_named_with_what_would_fit(client):
-    problem(client.post("/sweeps", content=b" " * 30_000), 413)
-    axis = {"start": 0, "stop": 1, "num": 1_000_000}
-    study = {**STUDY, "parameters": {**STUDY["parameters"], "friction": axis, "distance": axis}}
-    document = problem(client.post("/sweeps", json=study))
-    assert "1,000,000" in document["detail"]
-    assert "It fits with" in document["detail"]
-
-
-@pytest.mark.parametrize(
-    "path",
-    [
-        "/sweeps/" + "0" * 64,
-        "/sweeps/..%2F..%2Fetc",
-        "/sweeps/x/netcdf",
-        "/sweeps/x/slice?output=a&axes=b",
-    ],
-)
-def test_an_unknown_sweep_is_not_found(client, path):
-    problem(client.get(path), 404)
-
-
-def test_an_unforeseen_error_is_a_problem_document_without_its_text(client, posted, monkeypatch):
-    def fail(key: str) -> None:
-        raise RuntimeError("secret path")
-
-    monkeypatch.setattr(client.app.state.store, "sweep", fail)
-    document = problem(client.get(f"/sweeps/{posted}"), 500)
-    assert "secret" not in str(document)
-
-
-def test_a_ledger_that_another_process_holds_is_asked_again(client, tmp_path, monkeypatch):
-    def held(*_: object, **__: object) -> None:
-        with (
-            contextlib.closing(sqlite3.connect(tmp_path / "other", isolation_level=None)) as one,
-            contextlib.closing(sqlite3.connect(tmp_path / "other", timeout=0)) as two,
-        ):
-            one.execute("BEGIN EXCLUSIVE")
-            two.execute("CREATE TABLE jobs (id)")
-
-    with monkeypatch.context() as busy:
-        busy.setattr(client.app.state.admission.ledger, "jobs", held)
-        response = client.get("/jobs")
-    document = problem(response, 503)
-    assert document["type"] == "urn:vibrafeed:problem:busy"
-    assert "holds the ledger" in document["detail"]
-    assert int(response.headers["retry-after"]) >= 1
-    assert client.get("/jobs").status_code == 200
-
-
-def test_unknown_routes_get_problem_documents(client):
-    problem(client.get("/nowhere"), 404)
-
-
-def test_importing_the_app_builds_nothing(tmp_path):
-    code = "import vibrafeed.app.main, os; print(os.listdir())"
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.strip() == "[]"
-
-
+ROOT = Path(__file__).parents[4]
+PATH = "/processes/simulate/execution"
 SIMULATION = {
     "kind": "simulate",
     "scene": "rectangle-on-plane",
@@ -326,25 +47,243 @@ SIMULATION = {
         "friction": [0.3, 0.5],
     },
 }
+TEXT = csv_of(signal_of(DRIVE))
 
 
-class TestSimulation:
-    PATH = "/processes/simulate/execution"
+@pytest.fixture(scope="module")
+def settings(tmp_path_factory: pytest.TempPathFactory) -> Settings:
+    folder = tmp_path_factory.mktemp("data")
+    return Settings(data_directory=folder, max_cells=10**6, workers=2)
+
+
+@pytest.fixture(scope="module")
+def client(settings: Settings):
+    with local_client(create_app(settings), raise_server_exceptions=False) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def posted(client: TestClient) -> str:
+    return client.post("/sweeps", json=STUDY).json()["id"]
+
+
+class TestDocuments:
+    def test_the_pages_keep_up_with_the_code(self, client, without_studies):
+        assert PAGE.read_text(encoding="utf-8") == page()
+        text = (ROOT / "docs/api.md").read_text()
+        for path, methods in client.app.openapi()["paths"].items():
+            for method in methods:
+                assert f"`{method.upper()} {path}`" in text
+        text = (ROOT / "docs/motion.md").read_text()
+        for name, flag in MOTION_STATUSES.items():
+            assert f"`{name}`" in text or flag.valid, name
+
+    def test_links_between_documents_hold(self):
+        for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")):
+            for target in re.findall(r"\]\(([^)#]+)\)", path.read_text()):
+                if not target.startswith("http"):
+                    assert (path.parent / target).exists(), f"{path.name}: {target}"
+
+    @pytest.mark.parametrize("root", ["", "/vibrafeed"])
+    def test_openapi_comes_from_memory_with_an_etag(
+        self, tmp_path, root, monkeypatch, without_studies
+    ):
+        app = create_app(Settings(data_directory=tmp_path))
+        client = local_client(app, root_path=root)
+        first = client.get("/openapi.json")
+        assert first.status_code == 200
+        expected = app.openapi()
+        assert first.json() == (expected | {"servers": [{"url": root}]} if root else expected)
+        monkeypatch.setattr("fastapi.applications.get_openapi", None)  # it is not made again
+        assert client.get("/openapi.json").content == first.content
+        known = client.get("/openapi.json", headers={"If-None-Match": first.headers["etag"]})
+        assert known.status_code == 304
+        assert client.head("/openapi.json").headers["etag"] == first.headers["etag"]
+
+    def test_the_schema_is_made_once_and_sent_to_whom_has_it_not(self, client, monkeypatch):
+        first = client.get("/schema")
+        assert len(first.content) <= 300_000
+        monkeypatch.setattr("vibrafeed.app.web.routes.scenes.study_schema_text", None)
+        again = client.get("/schema", headers={"If-None-Match": first.headers["etag"]})
+        assert (again.status_code, again.content) == (304, b"")
+        other = client.get("/schema", headers={"If-None-Match": '"another"'})
+        assert (other.status_code, other.content) == (200, first.content)
+        told = client.get("/processes/sweep").json()
+        schema = told["inputs"]["study"]["schema"]
+        assert schema == PROCESSES["sweep"].study.model_json_schema(schema_generator=StudySchema)
+        assert told["links"][0]["href"].endswith("/processes/sweep")
+
+    def test_the_catalogue_lists_and_describes_every_scene(self, client):
+        listed = client.get("/scenes").json()
+        assert [line["name"] for line in listed] == list(SCENES)
+        methods = {line["name"]: line["methods"] for line in listed}
+        assert methods["rectangle-on-plane"][0] == "events"
+        for name, scene in SCENES.items():
+            for variant in scene.variants:
+                told = client.get(f"/scenes/{name}", params={"variant": variant}).json()
+                outputs = [output["name"] for output in told["outputs"]]
+                assert [*outputs, "regime"] == list(scene.outputs(variant))
+        told = client.get("/scenes/rectangle-on-plane", params={"method": "events"}).json()
+        assert "conveying_velocity" in [output["name"] for output in told["outputs"]]
+        problem(client.get("/scenes/nowhere"), 404)
+        for query in ("variant=x", "method=event"):
+            problem(client.get(f"/scenes/rectangle-on-plane?{query}"), 422)
+
+
+class TestRequests:
+    def test_head_is_answered_wherever_get_is(self, client, without_studies):
+        for path, operations in client.app.openapi()["paths"].items():
+            if "get" in operations:
+                assert client.head(path).status_code != 405, path
+        for path in ("/", "/healthz", "/readyz", "/scenes", "/processes/sweep", "/jobs"):
+            head, got = client.head(path), client.get(path)
+            assert head.status_code == got.status_code
+            assert head.headers["content-type"] == got.headers["content-type"]
+        number = client.post(PATH, json=SIMULATION, headers={"Prefer": "respond-async"})
+        events = client.head(f"{number.headers['location']}/events")
+        assert "content-length" not in events.headers
+
+    @pytest.mark.parametrize(
+        ("method", "path", "allowed"),
+        [
+            ("PUT", "/jobs/x", "DELETE, GET, HEAD, PATCH"),
+            ("PUT", "/sweeps/x", "GET, HEAD, PATCH"),
+            ("PUT", "/sweeps/x/zarr/zarr.json", "GET, HEAD"),
+            ("GET", "/processes/sweep/execution", "POST"),
+            ("POST", "/page/page.css", "GET, HEAD"),
+        ],
+    )
+    def test_a_method_that_is_not_allowed_lists_those_that_are(self, client, method, path, allowed):
+        reply = client.request(method, path)
+        problem(reply, 405)
+        assert reply.headers["allow"] == allowed
+
+    def test_a_coded_body_is_refused_and_a_mark_of_utf_8_accepted(self, client):
+        body = json.dumps(STUDY).encode()
+        for path in ("/sweeps", "/processes/sweep/execution", "/convert?to=json"):
+            coded = client.post(path, content=body, headers={"Content-Encoding": "gzip"})
+            assert "Content-Encoding" in problem(coded, 415)["detail"]
+        assert client.post("/sweeps", content=codecs.BOM_UTF8 + body).is_success
 
     @pytest.mark.parametrize(
         "body",
         [
+            b"",
+            b"nonsense",
+            b'{"kind": "sweep", "scene": "../../etc/passwd", "outputs": ["x"], "parameters": {}}',
+            b'{"kind": "sweep", "scene": {}, "outputs": 3, "parameters": []}',
+            b'{"kind":"sweep","scene":"rectangle-on-plane","outputs":["throw_number"],'
+            b'"parameters":{"frequency":1e400}}',
+            b'{"parameters": {"friction": ' + b"1" * 15_000 + b"}}",
+        ],
+    )
+    def test_a_body_that_is_no_study_gets_a_problem_document(self, client, body):
+        document = problem(client.post("/sweeps", content=body), 422)
+        assert all(error["message"] and error["fix"] for error in document["errors"])
+        if b"1" * 15_000 in body:
+            assert document["errors"][0]["message"] == "it is a number larger than 1.8e308"
+
+    def test_limits_are_named_with_what_would_fit(self, client):
+        problem(client.post("/sweeps", content=b" " * 2_000_000), 413)
+        axis = {"start": 0, "stop": 1, "num": 1_000_000}
+        study = {**STUDY, "parameters": {**STUDY["parameters"], "friction": axis, "distance": axis}}
+        document = problem(client.post("/sweeps", json=study), 422)
+        assert "1,000,000" in document["detail"]
+        assert "It fits with" in document["detail"]
+
+    def test_what_is_not_there_is_not_found(self, client):
+        slice_ = "/sweeps/x/slice?output=a&axes=b"
+        for path in ("/nowhere", "/sweeps/" + "0" * 64, "/sweeps/x/netcdf", slice_):
+            problem(client.get(path), 404)
+
+    def test_an_unforeseen_error_is_a_problem_document_without_its_text(
+        self, client, posted, monkeypatch
+    ):
+        def fail(key: str) -> None:
+            raise RuntimeError("secret path")
+
+        monkeypatch.setattr(client.app.state.store, "sweep", fail)
+        assert "secret" not in str(problem(client.get(f"/sweeps/{posted}"), 500))
+
+    def test_a_ledger_that_another_process_holds_is_asked_again(
+        self, client, tmp_path, monkeypatch
+    ):
+        def held(*_: object, **__: object) -> None:
+            with (
+                contextlib.closing(sqlite3.connect(tmp_path / "x", isolation_level=None)) as one,
+                contextlib.closing(sqlite3.connect(tmp_path / "x", timeout=0)) as two,
+            ):
+                one.execute("BEGIN EXCLUSIVE")
+                two.execute("CREATE TABLE jobs (id)")
+
+        with monkeypatch.context() as busy:
+            busy.setattr(client.app.state.admission.ledger, "jobs", held)
+            response = client.get("/jobs")
+        assert "holds the ledger" in problem(response, 503, "problem:busy")["detail"]
+        assert int(response.headers["retry-after"]) >= 1
+        assert client.get("/jobs").status_code == 200
+
+
+class TestSweeps:
+    def test_a_study_is_addressed_by_its_content(self, client):
+        study = {**STUDY, "title": "new"}
+        first = client.post("/sweeps", json=study)
+        assert first.status_code == 201
+        again = client.post("/sweeps", json={**study, "kind": "sweep"})
+        assert again.status_code == 200
+        told = first.json()
+        assert told == again.json() == client.get(f"/sweeps/{told['id']}").json() | {"warnings": []}
+        assert first.headers["location"].endswith(f"/sweeps/{told['id']}")
+        other = client.post("/sweeps", json={**study, "variant": "thesis"})
+        assert other.json()["id"] != told["id"]
+        wide = {**STUDY, "parameters": {**STUDY["parameters"], "amplitude": 0.3}}
+        (line,) = client.post("/sweeps", json=wide).json()["warnings"]
+        assert line.startswith("amplitude = 0.3 means 300 mm; usual values are")
+        assert told["cells"] == 11 * 2 * 10 * 7
+        assert told["outputs"][2] == {
+            "name": "throw_number",
+            "unit": "1",
+            "label": "Throw number",
+            "dims": ["frequency", "amplitude", "beta"],
+            "source": "theory 13.2",
+        }
+
+    def test_a_slice_asks_only_for_the_axes_that_its_output_needs(self, client, posted):
+        params = {"output": "throw_number", "axes": "beta", "frequency": 50, "amplitude": 5e-4}
+        piece = client.get(f"/sweeps/{posted}/slice", params=params)
+        assert piece.status_code == 200, piece.text
+        assert not {"alpha", "distance"} & set(piece.json()["fixed"])
+
+    def test_a_wrong_slice_is_explained(self, client, posted):
+        good = {"output": "acceleration_x", "axes": "beta", "frequency": 50, "amplitude": 5e-4}
+        for change, place, words in (
+            ({"output": "velocity"}, "output", "Did you mean"),
+            ({"axes": "bta"}, "axes", "Did you mean 'beta' (elevation)?"),
+            ({"axes": "alpha,beta,frequency"}, "axes", "one or two"),
+            ({"frequency": "55 Hz"}, "frequency", "nearest are 50 and 60 Hz"),
+            ({"frequency": "55 kg"}, "frequency", "Hz"),
+            ({"frequency": None}, "frequency", "from 20 to 120 Hz"),
+            ({"radius": 1}, "radius", "Known: alpha"),
+        ):
+            params = {k: v for k, v in {**good, "alpha": 10, **change}.items() if v is not None}
+            document = problem(client.get(f"/sweeps/{posted}/slice", params=params), 422)
+            found = {one["place"]: f"{one['message']} {one['fix']}" for one in document["errors"]}
+            assert words in found[place]
+
+
+class TestSimulation:
+    @pytest.mark.parametrize(
+        "body",
+        [
             SIMULATION,
-            {"inputs": {"study": SIMULATION}},
             {"inputs": {"study": {k: v for k, v in SIMULATION.items() if k != "kind"}}},
         ],
     )
     def test_it_is_the_dataset_of_the_core(self, client, body):
-        reply = client.post(self.PATH, json=body)
+        reply = client.post(PATH, json=body)
         assert reply.status_code == 200, reply.text
         document = reply.json()
-        assert document["complete"] is True
-        assert document["cells"] == 8
+        assert (document["complete"], document["cells"]) == (True, 8)
         expected = run_study(parse_study(SIMULATION))
         for name in expected.data_vars:
             variable = document["variables"][name]
@@ -356,79 +295,153 @@ class TestSimulation:
 
     def test_what_has_no_mean_is_null_with_a_status(self, client):
         study = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "gamma": 40}}
-        document = client.post(self.PATH, json=study).json()
+        document = client.post(PATH, json=study).json()
         assert document["variables"]["conveying_velocity"]["data"][0] == [None, None]
         status = document["variables"]["motion_status"]
         assert status["data"][0][0] == status["flags"]["runaway"]
 
-    def test_wrong_studies(self, client):
-        wrong = {**SIMULATION, "outputs": ["conveying_velocty"]}
-        found = problem(client.post(self.PATH, json=wrong))["errors"]
-        assert found[0]["place"] == "outputs"
-        for body, place in (
+    @pytest.mark.parametrize(
+        ("body", "place"),
+        [
+            ({**SIMULATION, "outputs": ["conveying_velocty"]}, "outputs"),
             ({"inputs": {}}, "inputs.study"),
             ({"inputs": []}, "inputs"),
             ({**SIMULATION, "kind": "sweep"}, "kind"),
             ([1], "study"),
-        ):
-            assert problem(client.post(self.PATH, json=body))["errors"][0]["place"] == place
+        ],
+    )
+    def test_wrong_studies(self, client, body, place):
+        for headers in ({}, {"Prefer": "respond-async"}):
+            reply = client.post(PATH, json=body, headers=headers)
+            assert problem(reply, 422)["errors"][0]["place"] == place
 
-    def test_limits(self, settings):
-        small = settings.model_copy(update={"max_cells": 5, "max_sweep_cells": 5})
-        with local_client(create_app(small)) as client:
-            reply = problem(client.post(self.PATH, json=SIMULATION))
-            assert reply["type"].endswith("limit")
-            assert "4" in reply["detail"]
+    @pytest.mark.parametrize("is_ended", [False, True])
+    def test_what_takes_longer_than_a_request_goes_on_as_a_job(
+        self, settings, is_ended, monkeypatch
+    ):
+        """By itself, or its process is ended."""
+        patience = processes.calculate_in_process
 
-    @pytest.mark.parametrize("grace", [300, 1e-9], ids=["stops", "is ended"])
-    def test_what_takes_longer_than_a_request_goes_on_as_a_job(self, settings, grace, monkeypatch):
-        hurried = settings.model_copy(
-            update={"max_execution_seconds": 1e-9, "grace_seconds": grace}
-        )
-        if grace < 1:  # to read the study has as long as the run that was ended
-            patience = processes.calculate_in_process
+        async def calculate(request, function, *arguments, seconds):
+            if is_ended and function is processes.execute_at_once:
+                raise StoppedError("ended")
+            return await patience(request, function, *arguments, seconds=seconds)
 
-            async def patient(request, function, *arguments, seconds):
-                seconds = 300 if function is read_task else seconds
-                return await patience(request, function, *arguments, seconds=seconds)
-
-            monkeypatch.setattr(processes, "calculate_in_process", patient)
+        monkeypatch.setattr(processes, "calculate_in_process", calculate)
+        seconds = settings.max_execution_seconds if is_ended else 1e-9
+        hurried = settings.model_copy(update={"max_execution_seconds": seconds})
         with local_client(create_app(hurried)) as client:
-            reply = client.post(self.PATH, json=SIMULATION)
+            reply = client.post(PATH, json=SIMULATION)
             assert reply.status_code == 201, reply.text
             assert reply.headers["location"].endswith(f"/jobs/{reply.json()['jobID']}")
-            assert problem(client.post(self.PATH, json={**SIMULATION, "outputs": ["x"]}))["errors"]
+            assert problem(client.post(PATH, json={**SIMULATION, "outputs": ["x"]}), 422)["errors"]
 
     def test_what_becomes_a_job_is_read_by_a_process_of_the_pool(self, client, monkeypatch):
-        def refuse(*_):
-            raise AssertionError("the server reads a study")
+        prepare = calculations.prepare_content
 
-        monkeypatch.setattr("vibrafeed.app.web.calculations.prepare_content", refuse)
-        monkeypatch.setattr("vibrafeed.app.jobs.studies.prepare_content", refuse)
+        def read(*given):
+            assert threading.current_thread().name.startswith("pool"), "the server reads a study"
+            return prepare(*given)
+
+        monkeypatch.setattr("vibrafeed.app.web.calculations.prepare_content", read)
+        monkeypatch.setattr("vibrafeed.app.jobs.studies.prepare_content", read)
         wish = {"Prefer": "respond-async"}
-        assert client.post(self.PATH, json=SIMULATION, headers=wish).status_code == 201
-        assert client.post("/sweeps", json=STUDY).status_code == 201
-        assert problem(client.post(self.PATH, json={}, headers=wish))["errors"]
+        assert client.post(PATH, json=SIMULATION, headers=wish).status_code == 201
+        assert client.post("/sweeps", json=STUDY).is_success
 
-    def test_a_job_is_posted_though_its_owner_computes_all_it_may(self, settings):
-        app = create_app(settings.model_copy(update={"workers": 2}))
-        with local_client(app) as client:
-            queue = app.state.process_pool.fair_queue
-            held = [client.portal.call(queue._take, "testclient", 0.0) for _ in range(2)]
-            wish = {"Prefer": "respond-async"}
-            assert client.post(self.PATH, json=SIMULATION, headers=wish).status_code == 201
-            for slot in held:
-                client.portal.call(queue._leave, slot)
+    def test_a_job_is_posted_though_its_owner_computes_all_it_may(self, client):
+        queue = client.app.state.process_pool.fair_queue
+        held = [client.portal.call(queue._take, "testclient", 0.0) for _ in range(2)]
+        wish = {"Prefer": "respond-async"}
+        assert client.post(PATH, json=SIMULATION, headers=wish).status_code == 201
+        for slot in held:
+            client.portal.call(queue._leave, slot)
 
-    def test_many_at_a_time(self, client):
-        with ThreadPoolExecutor(8) as pool:
-            replies = list(pool.map(lambda _: client.post(self.PATH, json=SIMULATION), range(16)))
-        values = {str(reply.json()["variables"]) for reply in replies}
-        assert len(values) == 1
 
-    def test_the_catalogue_tells_of_methods(self, client):
-        line = next(s for s in client.get("/scenes").json() if s["name"] == "rectangle-on-plane")
-        assert line["methods"][0] == "events"
-        scene = client.get("/scenes/rectangle-on-plane", params={"method": "events"}).json()
-        assert "conveying_velocity" in [output["name"] for output in scene["outputs"]]
-        problem(client.get("/scenes/rectangle-on-plane", params={"method": "event"}))
+class TestConvert:
+    def test_each_form_is_that_of_the_command(self, client):
+        for form, write in FORMS.items():
+            reply = client.post(f"/convert?to={form}", json=SIMULATION)
+            assert reply.status_code == 200
+            assert reply.headers["content-type"] == "text/plain; charset=utf-8"
+            if form not in REQUESTS:
+                assert reply.text == write(SIMULATION)
+            if form == "toml":
+                assert tomllib.loads(reply.text) == SIMULATION
+        # The line asks the service that wrote it.
+        address = f"{str(client.base_url).rstrip('/')}{PATH}"
+        for form, end in (("curl", f" {address}\n"), ("powershell", f" -Uri '{address}'\n")):
+            assert client.post(f"/convert?to={form}", json=SIMULATION).text.endswith(end)
+
+    def test_what_is_wrong_is_told_as_where_it_is_carried_out(self, client):
+        wrong = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": -1}}
+        told = problem(client.post("/convert?to=toml", json=wrong), 422)
+        assert told["errors"] == client.post(PATH, json=wrong).json()["errors"]
+        # A file of the service's machine is nobody's to name.
+        named = {**SIMULATION, "drive": {"file": "/etc/hostname"}}
+        for to, content in (("word", SIMULATION), ("toml", [1]), ("curl", named)):
+            problem(client.post(f"/convert?to={to}", json=content), 422)
+
+    def test_a_long_array_is_read_and_never_put_together_value_by_value(self, monkeypatch):
+        """Value by value it takes the square of its length: 9,000 values took 3 s."""
+        odd = ['a "quoted" word', "two\nlines", "\\", "20 Hz", 0.1, 1e-300, -7, True]
+        content = {
+            "kind": "sweep", "outputs": ["acceleration_x"],
+            "parameters": {"beta": [round(0.004 * n, 6) for n in range(2_000)], "friction": odd},
+        }  # fmt: skip
+        nested = {"parameters": {"beta": odd}, "values": [[1.5, 2.5], [3.5]], "empty": []}
+        assert tomllib.loads(to_toml({"observations": nested})) == {"observations": nested}
+        monkeypatch.setattr("tomlkit.items.Array.append", None)
+        monkeypatch.setattr("tomlkit.items.Array.insert", None)
+        assert tomllib.loads(to_toml(content)) == content
+
+
+class TestDrives:
+    """Measured drives over HTTP: a recording as text, and never a file of the server."""
+
+    def study(self, **drive):
+        about = {"drive": {"along": "ax", "normal": "az", **drive}}
+        return {"kind": "simulate", "scene": "rectangle-on-plane", **about,
+                "parameters": {"friction": 0.3}}  # fmt: skip
+
+    def refused(self, client, **drive):
+        return problem(client.post(PATH, json=self.study(**drive)), 422)["errors"]
+
+    def test_a_recording_is_sent_as_text(self, client):
+        reply = client.post(PATH, json=self.study(data=TEXT))
+        assert reply.status_code == 200, reply.text
+        expected = vibrafeed.simulate(self.study(data=TEXT))
+        document = reply.json()
+        speed = document["variables"]["conveying_velocity"]["data"]
+        assert speed == float(expected.conveying_velocity)
+        assert document["attributes"]["drive"] == expected.attrs["drive"]
+        assert TEXT[:200] not in reply.text
+        numbers = vibrafeed.study(self.study(data=TEXT)).content()
+        document = client.post(PATH, json=numbers).json()
+        assert document["attributes"]["drive"].startswith("fitted to data (SHA-256 ")
+
+    def test_a_reply_asks_about_unusual_numbers_and_refuses_contradictions(self, client):
+        slow = self.study(data=TEXT.replace("time [s]", "number"), rate=2)
+        warnings = client.post(PATH, json=slow).json()["attributes"]["warnings"]
+        usual = "frequency = 0.05 Hz, fitted to data, is unusual; usual values are"
+        assert warnings.startswith(usual)
+        signal = signal_of(DRIVE)
+        hung = csv_of(signal._replace(accelerations=signal.accelerations - [[0.0], [9.81]]))
+        (told,) = self.refused(client, data=hung)
+        assert told["place"] == "drive.normal"
+        assert "the channel points downwards" in told["message"]
+
+    def test_no_file_of_the_server_is_read_nor_what_is_too_long(self, client, tmp_path):
+        path = tmp_path / "recording.csv"
+        path.write_text(TEXT)
+        (told,) = self.refused(client, file=str(path))
+        assert [told] == self.refused(client, file=str(tmp_path / "absent.csv"))  # nor looked for
+        assert told == {
+            "place": "drive.file",
+            "message": "the service cannot read the recording from your computer",
+            "fix": "Give data = the text of the recording's CSV",
+        }
+        rows = "\n".join(["0,0"] * (MAX_ROWS_SENT + 1))
+        (told,) = self.refused(client, data=f"ax,az\n{rows}", rate=1)
+        assert told["place"] == "drive.data"
+        assert told["message"] == "the recording has 20,001 rows, the limit over HTTP is 20,000"

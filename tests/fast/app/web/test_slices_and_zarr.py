@@ -1,27 +1,31 @@
-"""What clients read of a sweep piece by piece, and keep: slices in JSON and binary, Zarr keys."""
+"""What clients read of a sweep piece by piece, and keep: slices in all forms, tables, Zarr keys."""
 
 from __future__ import annotations
 
+import io
 import json
 import struct
-from concurrent.futures import ThreadPoolExecutor
+import sys
 
 import numpy as np
 import orjson
+import pandas
 import pytest
 
 from local_client import local_client
-from posted_sweeps import STUDY, TRILLION, problem
+from posted_sweeps import STUDY, TRILLION, problem, with_axes
 from vibrafeed.app.jobs.errors import NotFoundError
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.accept import preferred
 from vibrafeed.app.web.calculations import encode_json
-from vibrafeed.app.web.zarr_views import ZarrViews
 from vibrafeed.core.intake import parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.lazy.view import ZarrView
+from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.system import installing
+from waiting import PATIENCE
 
 
 def unpack(content: bytes) -> tuple[dict, dict[str, np.ndarray]]:
@@ -54,11 +58,6 @@ CUT = {
 
 
 class TestSlice:
-    def test_a_value_that_is_longer_than_200_characters_is_not_cut(self, client, address):
-        long = {**CUT, "amplitude": "0.5" + "0" * 250 + " mm"}  # cut, it is 0.5 m
-        (wrong,) = problem(client.get(f"{address}/slice", params=long), 422)["errors"]
-        assert wrong["fix"] == "A value has at most 200 characters"
-
     def test_words_for_angles_are_letters(self, client, address):
         letters, parameters = STUDY["parameters"], {}
         for name, value in letters.items():
@@ -74,12 +73,10 @@ class TestSlice:
         (wrong,) = problem(twice, 422)["errors"]
         assert wrong["message"] == "elevation and beta are the same angle, and both are given"
 
-    @pytest.mark.parametrize("value", ["NaN", "1"])
-    def test_a_free_axis_has_no_value_and_is_named_once(self, client, address, value):
+    def test_a_free_axis_has_no_value_and_is_named_once(self, client, address):
         axis = CUT["axes"].split(",")[0]
-        (wrong,) = problem(client.get(f"{address}/slice", params={**CUT, axis: value}), 422)[
-            "errors"
-        ]
+        valued = client.get(f"{address}/slice", params={**CUT, axis: "NaN"})
+        (wrong,) = problem(valued, 422)["errors"]
         assert wrong["message"] == f"{axis} is a free axis, and has a value besides"
         twice = {**CUT, "axes": f"{axis},{axis}"}
         told = problem(client.get(f"{address}/slice", params=twice), 422)["errors"]
@@ -99,9 +96,9 @@ class TestSlice:
         assert len({one["label"] for one in listed}) == len(listed)
         for name, variable in dataset.data_vars.items():
             cut = {"output": name, "axes": "beta,frequency"}
-            judged = client.get(f"/sweeps/{posted['id']}/slice", params=cut).json()["judged"]
-            assert judged == ("ancillary_variables" in variable.attrs)
-            told = client.get(f"/sweeps/{posted['id']}/slice", params=cut).json()["values"]
+            piece = client.get(f"/sweeps/{posted['id']}/slice", params=cut).json()
+            assert piece["judged"] == ("ancillary_variables" in variable.attrs)
+            told = piece["values"]
             assert {*told["dims"]} == {*variable.dims}
             found = np.array(told["data"], dtype=float)  # null is not finite
             wanted = variable.where(np.isfinite(variable)).transpose(*told["dims"])
@@ -136,6 +133,8 @@ class TestSlice:
         for axis in ("alpha", "frequency"):
             np.testing.assert_array_equal(arrays[axis], whole[axis])
         assert header["values"]["dims"] == ["alpha", "frequency"]
+        assert told.json()["regimes"]["flight"]["valid"] is False
+        assert told.json()["fixed"]["beta"] == 15
 
     @pytest.mark.parametrize("shape", [(1,), (7,), (1, 1), (3, 2), (2, 300)])
     @pytest.mark.parametrize("largest", [9, 10, 59])
@@ -161,13 +160,18 @@ class TestSlice:
         _, arrays = unpack(raw.content)
         np.testing.assert_array_equal(np.array(told, dtype=float), arrays["values"])
 
-    @pytest.mark.parametrize("name", ["output", "axes", "format", "beta", "other"])
-    def test_a_repeated_parameter_is_refused(self, client, address, name):
-        params = [*(CUT | {"format": "json"}).items(), (name, "json"), (name, "json")]
-        refused = problem(client.get(f"{address}/slice", params=params), 422)
-        (error,) = refused["errors"]
-        assert name in str(error)
-        assert "more than once" in error["message"]
+    def test_wrong_parameters_are_refused(self, client, address):
+        for name in ("output", "axes", "format", "beta", "other"):
+            params = [*(CUT | {"format": "json"}).items(), (name, "json"), (name, "json")]
+            (error,) = problem(client.get(f"{address}/slice", params=params), 422)["errors"]
+            assert name in str(error)
+            assert "more than once" in error["message"]
+        long = {**CUT, "amplitude": "0.5" + "0" * 250 + " mm"}  # cut, it is 0.5 m
+        (wrong,) = problem(client.get(f"{address}/slice", params=long), 422)["errors"]
+        assert wrong["fix"] == "A value has at most 200 characters"
+        for change in ({"format": "xml"}, {"format": "binary", "output": "nothing"}):
+            problem(client.get(f"{address}/slice", params={**CUT, **change}), 422)
+        problem(client.get(f"/sweeps/{'0' * 64}/slice", params=CUT), 404)
 
     def test_etags(self, client, address):
         seen = set()
@@ -207,13 +211,6 @@ class TestSlice:
     def test_accept(self, accept, expected):
         assert preferred(accept, ("application/json", "application/octet-stream")) == expected
 
-    def test_wrong_forms(self, client, address):
-        params = {**CUT, "format": "xml"}
-        assert problem(client.get(f"{address}/slice", params=params), 422)["errors"]
-        params = {**CUT, "format": "binary", "output": "nothing"}
-        assert problem(client.get(f"{address}/slice", params=params), 422)["errors"]
-        problem(client.get(f"/sweeps/{'0' * 64}/slice", params=CUT), 404)
-
 
 def test_a_sweep_of_another_version_is_told_so(tmp_path, monkeypatch):
     settings = Settings(data_directory=tmp_path)
@@ -222,8 +219,7 @@ def test_a_sweep_of_another_version_is_told_so(tmp_path, monkeypatch):
     monkeypatch.setattr("vibrafeed.core.__version__", "99.0")
     with local_client(create_app(settings)) as client:
         for path in ("", "/netcdf", "/zarr/zarr.json"):
-            told = problem(client.get(address + path), 409)
-            assert told["type"] == "urn:vibrafeed:problem:version"
+            problem(client.get(address + path), 409, "problem:version")
         problem(client.get(f"{address}/slice", params=CUT), 409)
 
 
@@ -270,9 +266,8 @@ class TestZarr:
         assert (head.status_code, head.headers["content-length"]) == (200, str(16**4 * 8))
         problem(client.get(path[:-1] + "7"), 500)
 
-    @pytest.mark.parametrize(
-        "path",
-        [
+    def test_other_keys_are_not_found(self, client, address):
+        for path in (
             "", ".zgroup", ".zmetadata", "zarr.json/", "c/0", "nothing/zarr.json", "regime",
             "acceleration_x/c/0", "acceleration_x/c/0/0/0/-1", "acceleration_x/c/0/0/0/1",
             "acceleration_x/c/0/0/0/" + "9" * 200, "acceleration_x/c/0/0/0/00",
@@ -280,59 +275,142 @@ class TestZarr:
             "acceleration_x%2Fzarr.json", "acceleration_x%2fc%2f0%2f0%2f0%2f0",
             "%2e%2e%2fstudy.json", "..%2Fstudy.json", "..%5Cstudy.json", "%2Fetc%2Fpasswd",
             "acceleration_x/c/%D9%A1/0/0/0", "%ff%fe",
-        ],
-    )  # fmt: skip
-    @pytest.mark.parametrize("method", ["GET", "HEAD"])
-    def test_other_keys_are_not_found(self, client, address, path, method):
-        response = client.request(method, f"{address}/zarr/{path}")
-        assert response.status_code == 404
-        if method == "GET":
-            problem(response, 404)
-
-    def test_long_keys_and_other_sweeps(self, client, address):
+        ):  # fmt: skip
+            problem(client.get(f"{address}/zarr/{path}"), 404)
+            assert client.head(f"{address}/zarr/{path}").status_code == 404
         problem(client.get(f"{address}/zarr/{'x' * 301}"), 422)
-        problem(client.get(f"/sweeps/{'0' * 64}/zarr/zarr.json"), 404)
-        problem(client.get("/sweeps/..%2F..%2Fx/zarr/zarr.json"), 404)
-        problem(client.put(f"{address}/zarr/zarr.json"), 405)
-
-    def test_many_readers_get_the_same_bytes(self, client):
-        key = client.post("/sweeps", json=TRILLION).json()["id"]
-        paths = [f"/sweeps/{key}/zarr/transport_velocity/c/9/9/9/{i % 2}" for i in range(32)]
-        with ThreadPoolExecutor(16) as pool:
-            contents = list(pool.map(lambda path: client.get(path).content, paths))
-        view = view_of(TRILLION)
-        assert set(contents) == {view.read(f"transport_velocity/c/9/9/9/{i}") for i in (0, 1)}
+        for sweep in ("0" * 64, "..%2F..%2Fx"):
+            problem(client.get(f"/sweeps/{sweep}/zarr/zarr.json"), 404)
 
 
-class TestMemory:
-    class Store:
-        def __init__(self):
-            self.asked: list[str] = []
-            self.is_there = True
+PARQUET = "application/vnd.apache.parquet"
+XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
+TABLES = {"csv": "text/csv", "parquet": PARQUET, "xlsx": XLSX}
 
-        def used(self, key: str) -> float:
-            return float(self.is_there)
 
-        def note_use(self, key: str) -> None:
-            pass
+def read(form: str, content: bytes) -> pandas.DataFrame:
+    """Return a table with columns named without units."""
+    readers = {"csv": pandas.read_csv, "parquet": pandas.read_parquet, "xlsx": pandas.read_excel}
+    found = readers[form](io.BytesIO(content))
+    found.columns = [name.partition(" ")[0] for name in found.columns]
+    return found
 
-        def sweep(self, key: str):
-            self.asked.append(key)
-            if not self.is_there:
-                raise NotFoundError(key)
-            return prepare_content(TRILLION)
 
-    def test_a_view_is_made_once(self):
-        store = self.Store()
-        views = ZarrViews(store)
-        assert views.view("k") is views.view("k")
-        assert store.asked == ["k"]
+@pytest.fixture(scope="module")
+def patient(tmp_path_factory):
+    """Return a client of a service that computes jobs, with few rows in a table."""
+    settings = Settings(
+        data_directory=tmp_path_factory.mktemp("data"), workers=1, max_wait_seconds=PATIENCE,
+        max_table_rows=2000, max_sheet_rows=1600,
+    )  # fmt: skip
+    with local_client(create_app(settings)) as client:
+        yield client
 
-    def test_a_sweep_that_has_been_removed_is_forgotten(self):
-        store = self.Store()
-        views = ZarrViews(store)
-        views.view("k")
-        store.is_there = False
-        for _ in range(2):
-            with pytest.raises(NotFoundError):
-                views.view("k")
+
+def dataset_of(patient, study: dict) -> str:
+    ask = {"Prefer": f"respond-async, wait={PATIENCE:.0f}"}
+    reply = patient.post("/processes/sweep/execution", json=study, headers=ask)
+    assert reply.status_code == 200, reply.text
+    return reply.headers["location"] + "/results/dataset"
+
+
+class TestTables:
+    @pytest.mark.parametrize("form", TABLES)
+    def test_a_slice(self, client, address, form):
+        ask = {"Accept": TABLES[form]}
+        reply = client.get(f"{address}/slice", params=CUT, headers=ask)
+        assert reply.headers["content-type"].partition(";")[0] == TABLES[form]
+        assert "Accept" in reply.headers["vary"]
+        by_name = client.get(f"{address}/slice", params={**CUT, "format": form})
+        assert by_name.content == reply.content
+        ask["If-None-Match"] = reply.headers["etag"]
+        assert client.get(f"{address}/slice", params=CUT, headers=ask).status_code == 304
+        found = read(form, reply.content)
+        whole = run_study(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
+        whole = whole[["transport_velocity", "regime"]].transpose("alpha", "frequency")
+        expected = whole.to_dataframe().reset_index()
+        for column in ("alpha", "frequency", "transport_velocity", "amplitude"):
+            np.testing.assert_array_equal(found[column], expected[column])
+        words = whole.regime.flag_meanings.split()
+        names = dict(zip(whole.regime.flag_values.tolist(), words, strict=True))
+        regimes = [names[code] for code in expected["regime"]]
+        assert found["regime"].tolist() == regimes
+        beyond = sum(not REGIMES[name].valid for name in regimes)
+        assert reply.headers["vibrafeed-note"].startswith(f"{beyond} of {len(expected)} cells do")
+
+    @pytest.mark.parametrize("form", TABLES)
+    def test_a_result(self, patient, form):
+        address, ask = dataset_of(patient, STUDY), {"Accept": TABLES[form]}
+        reply = patient.get(address, headers=ask)
+        assert reply.headers["content-disposition"].endswith(f'.{form}"')
+        found = read(form, reply.content)
+        expected = run_study(parse_study(STUDY)).to_dataframe().reset_index()
+        for column in ("frequency", "acceleration_x", "throw_number", "friction"):
+            np.testing.assert_array_equal(found[column], expected[column])
+        head = patient.head(address, headers=ask)
+        assert (head.status_code, head.content) == (200, b"")
+        ask["If-None-Match"] = reply.headers["etag"]
+        assert patient.get(address, headers=ask).status_code == 304
+        assert patient.get(address).headers["content-type"] == "application/x-netcdf"
+        told = patient.get(address, headers={"Accept": "application/json"})
+        assert told.json()["variables"]["throw_number"]["units"] == "1"
+        problem(patient.get(address, headers={"Accept": "text/html"}), 406)
+
+    @pytest.mark.parametrize(
+        ("size", "media", "told", "other"),
+        [
+            (20, "text/csv", "3,080 rows, the limit is 2,000", "application/x-netcdf"),
+            (12, XLSX, "1,848 rows, the limit is 1,600", "text/csv"),
+        ],
+    )
+    def test_too_many_rows(self, patient, size, media, told, other):
+        address = dataset_of(patient, with_axes(alpha=size))
+        refused = problem(patient.get(address, headers={"Accept": media}), 422, "problem:limit")
+        assert told in refused["detail"]
+        assert patient.get(address, headers={"Accept": other}).status_code == 200
+
+    def test_a_client_that_takes_nothing_is_told_what_there_is(self, client, address):
+        reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": "image/png"})
+        told = problem(reply, 406)["detail"]
+        for form in ("text/csv", PARQUET, XLSX):
+            assert form in told
+
+    def test_without_pyarrow_there_is_csv(self, client, address, monkeypatch):
+        monkeypatch.setattr("vibrafeed.app.web.tables.find_spec", lambda name: None)
+        monkeypatch.setitem(sys.modules, "pyarrow", None)
+        ask = {"Accept": f"{PARQUET}, text/csv;q=0.1"}
+        reply = client.get(f"{address}/slice", params=CUT, headers=ask)
+        assert reply.headers["content-type"].startswith("text/csv")
+        monkeypatch.setitem(sys.modules, "xlsxwriter", None)
+        how = {"parquet": installing("pyarrow", "tables"), "xlsx": installing("xlsxwriter")}
+        for form, told in how.items():
+            reply = client.get(f"{address}/slice", params={**CUT, "format": form})
+            assert told in problem(reply, 406)["detail"]
+
+    def test_head_computes_nothing(self, client, address, monkeypatch):
+        etag = client.get(f"{address}/slice", params=CUT).headers["etag"]
+        for module in ("vibrafeed.app.web.routes.sweeps", "vibrafeed.app.web.calculations"):
+            monkeypatch.setattr(f"{module}.compute_slice", None)
+        reply = client.head(f"{address}/slice", params=CUT)
+        assert (reply.status_code, reply.content) == (200, b"")
+        assert reply.headers["etag"] == etag
+        assert client.head(f"{address}/slice", params={**CUT, "axes": "x"}).status_code == 422
+        assert client.head(address).status_code == 200
+
+    def test_many_pieces_are_one_table(self, client):
+        study = with_axes(frequency=150, alpha=100)
+        path = f"/sweeps/{client.post('/sweeps', json=study).json()['id']}/slice"
+        found = read("csv", client.get(path, params={**CUT, "format": "csv"}).content)
+        told = client.get(path, params=CUT).json()["values"]["data"]
+        values = np.array(told, dtype=float)
+        np.testing.assert_array_equal(found["transport_velocity"], values.ravel())
+
+
+def test_a_view_is_made_once_and_forgotten_when_its_sweep_has_been_removed(client):
+    key = client.post("/sweeps", json=with_axes(frequency=3)).json()["id"]
+    views = client.app.state.views
+    assert views.view(key) is views.view(key)
+    client.app.state.store.remove(key)
+    for _ in range(2):
+        with pytest.raises(NotFoundError):
+            views.view(key)
