@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from services import Service, services
+from services import Server, services
 from tools import tool
 
 
@@ -16,7 +16,7 @@ def curl() -> str:
 
 
 @pytest.fixture(scope="module")
-def serve(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Service]]:
+def serve(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Server]]:
     """Return a function that starts a service of one's own with settings."""
     with services(tmp_path_factory) as start:
         yield start

@@ -18,16 +18,13 @@ import xarray
 from distributed.security import Security
 from typer.testing import CliRunner
 
-from large_studies import MOTION, sweep_of
+from large_studies import sweep_of
 from vibrafeed.app.cli import app
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import open_lazily, tabulate
 from waiting import PATIENCE, wait_for
 
-STUDIES = {
-    "sweep": {**sweep_of(32), "outputs": ["transport_velocity", "throw_number"], "verify": 2},
-    "motion": {**MOTION, "outputs": ["conveying_velocity", "motion_status"]},
-}
+STUDY = {**sweep_of(32), "outputs": ["transport_velocity", "throw_number"], "verify": 2}
 # Workers compute small blocks slowly, so that there is time to kill one.
 WORKER = """
 import sys, time
@@ -79,72 +76,61 @@ def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
             process.stderr.close()
 
 
-@pytest.mark.parametrize(("kind", "cells"), [("sweep", 20_000), ("motion", 12)])
-def test_two_workers_one_of_them_killed(
-    scheduler: str, kind: str, cells: int, tmp_path: Path
-) -> None:
-    study, target = tmp_path / "study.json", tmp_path / "a.zarr"
-    study.write_text(json.dumps(STUDIES[kind]))
-    workers = [
-        subprocess.Popen([sys.executable, "-c", WORKER, str(cells), scheduler], cwd=tmp_path,
-                         stderr=subprocess.DEVNULL)
-        for _ in range(2)
-    ]  # fmt: skip
-    running = subprocess.Popen(
-        [sys.executable, "-c", RUN, str(cells), str(study), "-o", str(target), "--scheduler",
-         scheduler], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+def started(*command: object, folder: Path) -> subprocess.Popen[str]:
+    """Start Python on what it is to do."""
+    return subprocess.Popen(
+        [sys.executable, *map(str, command)], cwd=folder, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     )  # fmt: skip
+
+
+def test_two_workers_one_of_them_killed_and_a_client_in_python(
+    scheduler: str, tmp_path: Path
+) -> None:
+    study, target, cells = tmp_path / "study.json", tmp_path / "a.zarr", 20_000
+    study.write_text(json.dumps(STUDY))
+    workers = [started("-c", WORKER, cells, scheduler, folder=tmp_path) for _ in range(2)]
+    to = ("-o", target, "--scheduler", scheduler)
+    running = started("-c", RUN, cells, study, *to, folder=tmp_path)
+    prepared = prepare_content(STUDY)
     try:
         begun = tmp_path / ".a.zarr.partial"
         wait_for(lambda: len([*begun.glob("*_velocity/c/**/0")]) > 2 or running.poll() is not None)
         workers[0].send_signal(signal.SIGKILL)
         output = running.communicate(timeout=PATIENCE)[0]
+        assert running.returncode == 0, output
+        lazy: Any = open_lazily(prepared)["transport_velocity"].max()
+        wanted = float(lazy)
+        tls = {name: os.environ[f"DASK_DISTRIBUTED__COMM__TLS__{name}"] for name in
+               ("CA_FILE", "CLIENT__CERT", "CLIENT__KEY")}  # fmt: skip
+        security = Security(
+            tls_ca_file=tls["CA_FILE"], tls_client_cert=tls["CLIENT__CERT"],
+            tls_client_key=tls["CLIENT__KEY"],
+        )  # fmt: skip
+        with distributed.Client(scheduler, security=security):
+            assert float(lazy) == wanted
     finally:
         for process in (running, *workers):
             process.kill()
-            process.wait()
-    assert running.returncode == 0, output
-    prepared = prepare_content(STUDIES[kind])
+            process.communicate()
     with xarray.open_zarr(target) as found:
-        wanted = tabulate(prepared).with_price({}).to_xarray()
-        xarray.testing.assert_equal(found.load(), wanted)
-        assert found.attrs.get("verified_cells") == STUDIES[kind].get("verify")
-
-
-def test_a_client_in_python_computes_a_lazy_dataset(scheduler: str, tmp_path: Path) -> None:
-    tls = {name: os.environ[f"DASK_DISTRIBUTED__COMM__TLS__{name}"] for name in
-           ("CA_FILE", "CLIENT__CERT", "CLIENT__KEY")}  # fmt: skip
-    security = Security(
-        tls_ca_file=tls["CA_FILE"], tls_client_cert=tls["CLIENT__CERT"],
-        tls_client_key=tls["CLIENT__KEY"],
-    )  # fmt: skip
-    worker = subprocess.Popen(
-        [sys.executable, "-m", "distributed.cli.dask_worker", scheduler, "--nthreads", "1",
-         "--no-nanny", "--no-dashboard"], cwd=tmp_path, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    try:
-        for content in STUDIES.values():
-            name = content["outputs"][0]
-            lazy: Any = open_lazily(prepare_content(content))[name].max()
-            wanted = float(lazy)
-            with distributed.Client(scheduler, security=security):
-                assert float(lazy) == wanted
-    finally:
-        worker.kill()
-        worker.wait()
+        xarray.testing.assert_equal(found.load(), tabulate(prepared).with_price({}).to_xarray())
+        assert found.attrs["verified_cells"] == 2
 
 
 def test_a_scheduler_that_is_not_reached_is_told(
     scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     study = tmp_path / "study.json"
-    study.write_text(json.dumps(STUDIES["motion"]))
-    place = [str(study), "-o", str(tmp_path / "a.zarr"), "--scheduler"]
-    refused = CliRunner().invoke(app, ["run", *place, scheduler])  # read no certificates
-    assert refused.exit_code == 1
-    assert f"{scheduler} cannot be reached: it talks TLS" in " ".join(refused.output.split())
-    netcdf = CliRunner().invoke(app, ["run", str(study), "--scheduler", scheduler])
-    assert netcdf.exit_code == 2
-    assert "Write to Zarr (-o result.zarr), or leave out --scheduler" in " ".join(
-        netcdf.output.split()
-    )
+    study.write_text(json.dumps(STUDY))
+
+    def told(*options: object, exit_code: int) -> str:
+        command = ["run", str(study), *map(str, options), "--scheduler", scheduler]
+        refused = CliRunner().invoke(app, command)
+        assert refused.exit_code == exit_code
+        return " ".join(refused.output.split())
+
+    # It has read no certificates.
+    unreached = told("-o", tmp_path / "a.zarr", exit_code=1)
+    assert f"{scheduler} cannot be reached: it talks TLS" in unreached
+    assert "Write to Zarr (-o result.zarr), or leave out --scheduler" in told(exit_code=2)

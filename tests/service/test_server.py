@@ -1,4 +1,4 @@
-"""The server's process: how it is set up, how it starts and how it ends."""
+"""The server's process: how it starts, how it is told to stop, and how it ends."""
 
 from __future__ import annotations
 
@@ -9,196 +9,42 @@ import json
 import os
 import signal
 import socket
-import subprocess
-import sys
-import time
 import urllib.request
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import pytest
-from typer.testing import CliRunner
-
 from access import BEARER, HASH, KEY, give_key
-from benchmarks.serving import free_port
-from local_client import local_client
+from services import refusal, serving, wait_for_end
 from vibrafeed import core
-from vibrafeed.app.cli import app as commands
 from vibrafeed.app.jobs.manifest import NETCDF, Manifest
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
+from vibrafeed.core.dataset.netcdf import write_netcdf
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 from waiting import PATIENCE, SELDOM, wait_for
 
-ROOT = Path(__file__).parents[4]
-STUDY: dict[str, Any] = {
+SWEEP: dict[str, Any] = {
     "kind": "sweep",
     "scene": "rectangle-on-plane",
     "outputs": ["throw_number"],
-    "parameters": {"frequency": 50, "amplitude": "0.5 mm", "beta": [0, 10, 20, 30, 40, 50, 60]},
+    "parameters": {
+        "frequency": {"start": 1, "stop": 100, "num": 1000},
+        "amplitude": "0.5 mm",
+        "beta": {"start": 1, "stop": 60, "num": 1000},
+    },
 }
-
-
-def problem(response: Any, status: int, kind: str) -> dict[str, Any]:
-    assert response.status_code == status, response.text
-    assert response.headers["content-type"] == "application/problem+json"
-    document = response.json()
-    assert document["type"] == f"urn:vibrafeed:problem:{kind}"
-    assert document["status"] == status
-    return document
-
-
-SERVE = "from vibrafeed.app.cli import main; main()"  # as `vibrafeed` does, from this source tree
-
-
-@contextmanager
-def server(
-    folder: Path, *arguments: str, code: str = SERVE, **environment: str
-) -> Iterator[tuple[subprocess.Popen[bytes], int, Path]]:
-    """Run `vibrafeed serve` until it answers; yield its process, its port and its log."""
-    port = free_port()
-    log = folder / "log"
-    with log.open("wb") as stream:
-        process = subprocess.Popen(
-            [sys.executable, "-c", code, "serve", *arguments, "--port", str(port)],
-            cwd=ROOT,
-            env={**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(folder / "data"), **environment},
-            stdout=stream,
-            stderr=stream,
-        )
-    try:
-
-        def listens() -> bool:
-            assert process.poll() is None, log.read_text()
-            with contextlib.suppress(OSError):
-                socket.create_connection(("127.0.0.1", port), 1).close()
-                return True
-            return False
-
-        wait_for(listens, log.read_text)
-        yield process, port, log
-    finally:
-        process.kill()
-        process.wait(PATIENCE)
-
-
-def is_warm(port: int) -> bool:
-    with urllib.request.urlopen(f"http://127.0.0.1:{port}/readyz", timeout=PATIENCE) as reply:
-        return json.load(reply)["warm"]
-
-
-def test_a_service_says_when_all_is_compiled(tmp_path):
-    with server(tmp_path, VIBRAFEED_WARM_AT_START="true") as (_, port, _log):
-        wait_for(lambda: is_warm(port), every=SELDOM)
-
-
-@pytest.mark.night
-def test_a_service_that_stops_compiles_no_more(tmp_path):
-    cache = tmp_path / "empty"
-    settings = {"VIBRAFEED_WARM_AT_START": "true", "NUMBA_CACHE_DIR": str(cache)}
-    with server(tmp_path, **settings) as (process, port, _):
-        wait_for(lambda: list(cache.glob("*/*.nbi")))  # it compiles
-        assert not is_warm(port)
-        process.terminate()
-        process.wait(PATIENCE)
-    compiled = sorted(cache.rglob("*.nbc"))
-    # A process that imports notices the end of its parent a moment later.
-    wait_for(lambda: not processes_with(str(cache)))
-    assert sorted(cache.rglob("*.nbc")) == compiled, "somebody still compiled"
-
-
-def processes_with(text: str) -> list[Path]:
-    """Return the processes that have a text in their environment."""
-    found = []
-    for environment in Path("/proc").glob("[0-9]*/environ"):
-        with contextlib.suppress(OSError):
-            if text.encode() in environment.read_bytes():
-                found.append(environment)
-    return found
-
-
-def test_the_service_refuses_to_open_itself_without_keys(tmp_path, monkeypatch):
-    monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(tmp_path))  # whoever runs it may have keys
-    for host in ("0.0.0.0", "::", "lab.example"):
-        result = CliRunner().invoke(commands, ["serve", "--host", host])
-        assert result.exit_code == 2
-        assert "vibrafeed key add" in result.output
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="signals")
-def test_a_server_with_keys_on_every_address_finishes_its_downloads(tmp_path):
-    """The server as it is run: open to others, with a key; stopped during a download."""
-    give_key(tmp_path / "data")
-    with server(tmp_path, "--host", "0.0.0.0") as (process, port, log):
-        plain = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
-        plain.request("GET", "/scenes?key=" + KEY)
-        refused = plain.getresponse()
-        refused.read()
-        assert refused.status == 401
-        assert refused.getheader("server") is None
-        assert refused.getheader("x-content-type-options") == "nosniff"
-        # 50 MB are refused by their length; the answer is there although nothing was sent.
-        plain.request("POST", "/sweeps", headers={**BEARER, "Content-Length": "50000000"})
-        with plain.getresponse() as refused:
-            assert refused.status == 413
-            refused.read()
-        plain.close()
-        plain.request("POST", "/sweeps", json.dumps({**STUDY, "notes": "private"}), BEARER)
-        key = json.loads(plain.getresponse().read())["id"]
-        # A file that is there is sent as it is: far more than sockets hold.
-        content = os.urandom(1 << 20) * 64
-        stored(tmp_path, key, content)
-        plain.request("GET", f"/sweeps/{key}/netcdf", headers=BEARER)
-        download = plain.getresponse()
-        received = download.read(1000)
-        process.send_signal(signal.SIGTERM)
-        time.sleep(0.5)
-        assert process.poll() is None
-        with pytest.raises(OSError, match="refused"):
-            socket.create_connection(("127.0.0.1", port), 1)
-        received += download.read()
-        assert received == content
-        plain.close()
-        assert process.wait(PATIENCE) == 0
-        text = log.read_text()
-    lines = [json.loads(line) for line in text.splitlines()]
-    assert sum(line["event"] == "request" for line in lines) == 4
-    [warning] = [line["event"] for line in lines if line["level"] == "warning"]
-    assert "--behind-proxy" in warning
-    assert any("Uvicorn running" in line["event"] for line in lines)
-    for secret in (KEY, HASH, "Bearer", "Authorization", "private", key):
-        assert secret.lower() not in text.lower(), secret
-
-
-def stored(tmp_path, key, content):
-    """Give a study a result of any content."""
-    folder = tmp_path / "data" / "studies" / key
-    (folder / NETCDF).write_bytes(content)
-    file = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
-    manifest = Manifest(key, "sweep", core.__version__, 1, 1, 0.1, {NETCDF: file})
-    (folder / "manifest.json").write_text(json.dumps(asdict(manifest)))
-
-
-@pytest.mark.night
-@pytest.mark.skipif(sys.platform == "win32", reason="signals")
-def test_a_download_that_nobody_reads_does_not_hold_the_server_for_ever(tmp_path):
-    with server(tmp_path, VIBRAFEED_SHUTDOWN_SECONDS="1") as (process, port, log):
-        client = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
-        client.request("POST", "/sweeps", json.dumps(STUDY))
-        key = json.loads(client.getresponse().read())["id"]
-        stored(tmp_path, key, bytes(64 << 20))
-        client.request("GET", f"/sweeps/{key}/netcdf")
-        download = client.getresponse()
-        download.read(1000)
-        process.send_signal(signal.SIGTERM)
-        process.wait(PATIENCE)
-        assert '"cut_short": true' in log.read_text()
-        download.close()
-        client.close()
-
-
+MOTION = {
+    "kind": "simulate",
+    "scene": "rectangle-on-plane",
+    "outputs": ["conveying_velocity", "flight_fraction"],
+    "parameters": {
+        "frequency": 40,
+        "amplitude": {"start": "0.05 mm", "stop": "0.75 mm", "num": 151},
+        "beta": {"start": 5, "stop": 60, "num": 151},
+        "friction": 0.4,
+        "restitution": 0.3,
+    },
+}
 ENDLESS = """
 import asyncio, sys
 from fastapi.responses import StreamingResponse
@@ -222,47 +68,136 @@ serve_until_stopped(app, settings, "127.0.0.1", int(sys.argv[-1]))
 """
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def refuses(port: int) -> bool:
+    """Return whether nobody listens any more."""
+    with contextlib.suppress(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", port), PATIENCE).close()
+        return False
+    return True
+
+
+def stored(folder: Path, key: str, content: bytes) -> None:
+    """Give a study a result of any content."""
+    place = folder / "data" / "studies" / key
+    (place / NETCDF).write_bytes(content)
+    file = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
+    manifest = Manifest(key, "sweep", core.__version__, 1, 1, 0.1, {NETCDF: file})
+    (place / "manifest.json").write_text(json.dumps(asdict(manifest)))
+
+
+def test_a_service_says_when_all_is_compiled(serve):
+    service = serve(warm_at_start=True)
+    wait_for(lambda: service.get("/readyz")["warm"], every=SELDOM)
+
+
+def test_a_server_with_keys_on_every_address_finishes_its_downloads(tmp_path):
+    """The server as it is run: open to others, with a key; stopped during a download."""
+    give_key(tmp_path / "data")
+    with serving(tmp_path, "--host", "0.0.0.0") as server:
+        server.ask("/healthz")
+        plain = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
+        plain.request("GET", "/scenes?key=" + KEY)
+        with plain.getresponse() as refused:
+            assert refused.status == 401
+            assert refused.getheader("server") is None
+            assert refused.getheader("x-content-type-options") == "nosniff"
+            refused.read()
+        # 50 MB are refused by their length; the answer is there although nothing was sent.
+        plain.request("POST", "/sweeps", headers={**BEARER, "Content-Length": "50000000"})
+        with plain.getresponse() as refused:
+            assert refused.status == 413
+            refused.read()
+        plain.close()
+        study = {**SWEEP, "notes": "private"}
+        key = json.loads(server.ask("/sweeps", study, headers=BEARER.items()))["id"]
+        # A file that is there is sent as it is: far more than sockets hold.
+        content = os.urandom(1 << 20) * 64
+        stored(tmp_path, key, content)
+        plain.request("GET", f"/sweeps/{key}/netcdf", headers=BEARER)
+        download = plain.getresponse()
+        received = download.read(1000)
+        server.process.send_signal(signal.SIGTERM)
+        wait_for(lambda: refuses(server.port))
+        assert server.process.poll() is None
+        received += download.read()
+        assert received == content
+        plain.close()
+        assert server.process.wait(PATIENCE) == 0
+    text = server.log.read_text()
+    lines = [json.loads(line) for line in text.splitlines()]
+    asked = [line for line in lines if line["event"] == "request"]
+    assert len([line for line in asked if "healthz" not in line["route"]]) == 4
+    [warning] = [line["event"] for line in lines if line["level"] == "warning"]
+    assert "--behind-proxy" in warning
+    for secret in (KEY, HASH, "Bearer", "Authorization", "private", key):
+        assert secret.lower() not in text.lower(), secret
+
+
 def test_a_stream_without_end_comes_piece_by_piece_and_ends_when_the_service_stops(tmp_path):
-    with server(tmp_path, code=ENDLESS) as (process, port, log):
-        client = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
-        client.request("GET", "/events")
-        with client.getresponse() as stream:
+    with serving(tmp_path, code=ENDLESS) as server:
+        server.ask("/healthz")
+        with urllib.request.urlopen(f"{server.address}/events", timeout=PATIENCE) as stream:
             assert stream.read(5) == b"first"  # no layer waits for more
-            process.send_signal(signal.SIGHUP)  # a terminal that is closed
+            server.process.send_signal(signal.SIGHUP)  # a terminal that is closed
             assert stream.read() == b"last"
-        client.close()
-        assert process.wait(PATIENCE) == 0
-        assert "cut_short" not in log.read_text()
+        assert server.process.wait(PATIENCE) == 0
+        assert "cut_short" not in server.log.read_text()
 
 
-def test_only_a_proxy_is_believed_who_the_client_is(tmp_path):
+def test_only_a_proxy_is_believed_who_the_client_is(serve):
     told = {"X-Forwarded-Proto": "https", "X-Forwarded-For": "192.0.2.7"}
-    for option, scheme, client in (
+    for options, scheme, client in (
         ([], "http", "127.0.0.1"),
         (["--behind-proxy"], "https", "192.0.2.7"),
     ):
-        folder = tmp_path / scheme
-        folder.mkdir()
-        with server(folder, *option) as (_, port, log):
-            request = urllib.request.Request(f"http://127.0.0.1:{port}/", headers=told)
-            with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
-                [link, *_] = json.load(reply)["links"]
-            assert link["href"].startswith(f"{scheme}://")
-            line = f'"client": "{client}"'
-            wait_for(lambda log=log, line=line: line in log.read_text())
+        service = serve(*options)
+        [link, *_] = json.loads(service.ask("/", headers=told.items()))["links"]
+        assert link["href"].startswith(f"{scheme}://")
+        line = f'"client": "{client}"'
+        wait_for(lambda log=service.log, line=line: line in log.read_text())
 
 
-def test_a_signal_tells_the_app_before_connections_are_waited_for(tmp_path, monkeypatch):
-    import uvicorn
+def asking(port: int, path: str, buffer: int = 1 << 16) -> socket.socket:
+    """Return a connection that has asked, and reads the head of the reply only."""
+    client = socket.socket()
+    client.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
+    client.settimeout(PATIENCE)
+    client.connect(("127.0.0.1", port))
+    client.sendall(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+    assert client.recv(12) == b"HTTP/1.1 200"
+    return client
 
-    from vibrafeed.app.web import server as module
 
-    monkeypatch.setattr(module, "_after", lambda seconds, call: None)  # it would end this process
-    app = create_app(Settings(data_directory=tmp_path))
-    server = module.Server(uvicorn.Config(app, log_config=None))
-    assert not app.state.stopping.is_set()
-    server.handle_exit(signal.SIGTERM, None)
-    assert app.state.stopping.is_set()
-    assert server.should_exit
-    problem(local_client(app).get("/readyz"), 503, "not-ready")
+def test_all_of_it_ends_in_time_and_the_next_server_goes_on(serve, tmp_path):
+    """Under load: workers compute, a stream of events is open, a reader reads nothing."""
+    service = serve(lease_seconds=600, block_seconds=0.3, workers=2)
+    number = service.post(MOTION)
+    service.begun(number)
+    key = json.loads(service.ask("/sweeps", SWEEP))["id"]
+    slice_ = f"/sweeps/{key}/slice?output=throw_number&axes=frequency,beta"
+    with asking(service.port, f"/jobs/{number}/events"), asking(service.port, slice_, 4096):
+        workers = service.workers()
+        assert len(workers) >= 2
+        assert service.job(number)["status"] == "running"
+        service.process.send_signal(signal.SIGTERM)
+        service.process.wait(PATIENCE)
+    # One that tracks their shared memory is no worker, and sees a little later that it is alone.
+    wait_for_end(workers)
+    assert "is cut short" not in service.log.read_text()
+    service.start()
+    assert service.finished(number)["status"] == "successful"
+    write_netcdf(tabulate(prepare_content(MOTION)), tmp_path / "whole.nc")
+    assert service.dataset(number) == (tmp_path / "whole.nc").read_bytes()
+
+
+def test_draining_refuses_new_work_and_answers_the_rest(serve):
+    service = serve(drain_seconds=600)
+    key = json.loads(service.ask("/sweeps", SWEEP))["id"]
+    service.process.send_signal(signal.SIGTERM)
+    wait_for(lambda: "it stops" in str(refusal(lambda: service.ask("/readyz"), 503)))
+    for ask in (lambda: service.ask("/sweeps", SWEEP), lambda: service.post(MOTION)):
+        refusal(ask, 503, "problem:stopping")
+    assert service.get(f"/sweeps/{key}")["id"] == key
+    # A second signal is heeded at once.
+    service.process.send_signal(signal.SIGTERM)
+    assert service.process.wait(PATIENCE) == 0

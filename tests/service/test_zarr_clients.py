@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 import http.client
 import json
-import os
 import subprocess
 import sys
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
@@ -46,11 +42,6 @@ TRILLION = sized(
 )  # fmt: skip
 LONG = sized(["transport_velocity"], frequency=10**6, amplitude=10**6)
 LONG["parameters"] |= {"alpha": 10, "beta": 30}
-
-
-def view_of(content: dict[str, Any]) -> ZarrView:
-    sweep = prepare_content(content)
-    return ZarrView(sweep, outline(sweep))
 
 
 def post(server: str, content: dict[str, Any]) -> str:
@@ -118,45 +109,34 @@ def test_xarray_opens_a_trillion_cells_at_once_and_slices_them(server, tmp_path)
         assert len(np.unique(piece["regime"])) > 1
 
 
-def test_a_million_values_on_an_axis_are_chunks_too(server):
-    view = view_of(LONG)
-    address = post(server, LONG)
-    for key in ("frequency/c/15", "transport_velocity/c/3906/3906"):
-        with urllib.request.urlopen(f"{address}/zarr/{key}", timeout=PATIENCE) as response:
-            assert response.read() == view.read(key)
-
-
 def test_sixteen_readers_at_a_time_get_identical_bytes(server):
     address = post(server, TRILLION)
     keys = [f"{name}/c/31/31/31/{i}" for name in ("acceleration_x", "regime") for i in (0, 1)]
+    sweep = prepare_content(TRILLION)
+    view = ZarrView(sweep, outline(sweep))
 
-    def read(number: int) -> tuple[str, str]:
-        key = keys[number % len(keys)]
+    def is_right(key: str) -> bool:
         with urllib.request.urlopen(f"{address}/zarr/{key}", timeout=PATIENCE) as response:
-            return key, hashlib.sha256(response.read()).hexdigest()
+            return response.read() == view.read(key)
 
     with ThreadPoolExecutor(16) as pool:
-        seen = set(pool.map(read, range(64)))
-    view = view_of(TRILLION)
-    assert seen == {(key, hashlib.sha256(view.read(key)).hexdigest()) for key in keys}
+        assert all(pool.map(is_right, keys * 16))
 
 
-@pytest.mark.parametrize(
-    "path",
-    ["/../study.json", "/../../../../etc/passwd", "/c/0", "/acceleration_x/../zarr.json", "//",
-     "/acceleration_x/c/0/0/0/-1", "/%2e%2e/netcdf", "/zarr.json%00", "/regime/c/1e9/0/0/0",
-     "/acceleration_x%2Fzarr.json", "/" + "9/" * 140],
-)  # fmt: skip
-def test_no_path_leads_out_of_the_group(server, path):
+def test_no_path_leads_out_of_the_group(server):
     """Sent as it stands: most clients would tidy it first."""
-    address = post(server, TRILLION)
-    connection = http.client.HTTPConnection(server.removeprefix("http://"), timeout=PATIENCE)
-    connection.request("GET", address.removeprefix(server) + "/zarr" + path)
-    response = connection.getresponse()
-    assert response.status == 404
-    assert response.headers["content-type"] == "application/problem+json"
-    assert json.load(response)["status"] == 404
-    connection.close()
+    address = post(server, TRILLION).removeprefix(server)
+    for path in (
+        "/../study.json", "/../../../../etc/passwd", "/c/0", "/acceleration_x/../zarr.json", "//",
+        "/acceleration_x/c/0/0/0/-1", "/%2e%2e/netcdf", "/zarr.json%00", "/regime/c/1e9/0/0/0",
+        "/acceleration_x%2Fzarr.json", "/" + "9/" * 140,
+    ):  # fmt: skip
+        connection = http.client.HTTPConnection(server.removeprefix("http://"), timeout=PATIENCE)
+        connection.request("GET", f"{address}/zarr{path}")
+        response = connection.getresponse()
+        assert response.status == 404, path
+        assert json.load(response)["status"] == 404
+        connection.close()
 
 
 def test_a_head_is_followed_by_nothing(server):
@@ -175,88 +155,31 @@ def test_a_head_is_followed_by_nothing(server):
     connection.close()
 
 
-@pytest.fixture(scope="module")
-def download(server) -> str:
-    """Return the address of a file of several megabytes."""
-    outputs = ["acceleration_x", "transport_velocity"]
-    return post(server, sized(outputs, frequency=50, amplitude=10, alpha=50, beta=80)) + "/netcdf"
+def curled(curl: str, *options: object) -> subprocess.CompletedProcess[str]:
+    command = [curl, "--silent", "--show-error", "--noproxy", "*", *map(str, options)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
 
 
-class TestCurl:
-    def run(self, curl: str, *options: str | Path) -> subprocess.CompletedProcess[str]:
-        command = [curl, "--silent", "--show-error", "--noproxy", "*", *map(str, options)]
-        return subprocess.run(
-            command, capture_output=True, text=True, timeout=PATIENCE, check=False
-        )
-
-    def test_a_broken_download_is_resumed(self, curl, download, tmp_path):
-        file, headers = tmp_path / "x.nc", tmp_path / "headers"
-        assert self.run(curl, "-o", file, download).returncode == 0  # HEAD makes no file
-        told = self.run(curl, "--head", download)
-        assert told.returncode == 0, told.stderr
-        fields = dict(line.split(": ", 1) for line in told.stdout.splitlines() if ": " in line)
-        size, etag = int(fields["content-length"]), fields["etag"]
-        broken = self.run(curl, "--limit-rate", "1M", "--max-time", "1.5", "-o", file, download)
-        assert broken.returncode == 28, broken.stderr  # out of time
-        partial = file.stat().st_size
-        assert 0 < partial < size
-        resumed = self.run(curl, "-C", "-", "-D", headers, "-o", file, download)
-        assert resumed.returncode == 0, resumed.stderr
-        text = headers.read_text().lower()
-        assert " 206 " in text.splitlines()[0]
-        assert f"content-range: bytes {partial}-{size - 1}/{size}" in text
-        assert f'"{hashlib.sha256(file.read_bytes()).hexdigest()}"' == etag
-        assert file.stat().st_size == size
-
-    def test_a_job_s_file_is_resumed_after_the_server_was_killed(self, curl, serve, tmp_path):
-        service = serve(workers=1, max_wait_seconds=PATIENCE)
-        content = sized(
-            ["acceleration_x", "transport_velocity"], frequency=25, amplitude=30, alpha=50, beta=80
-        )  # of more bytes than sockets hold
-        study = tmp_path / "study.json"
-        study.write_text(json.dumps(content))
-        execution = f"{service.address}/processes/sweep/execution"
-        wait = [
-            "-H",
-            f"Prefer: respond-async, wait={PATIENCE:.0f}",
-            "-H",
-            "Content-Type: application/json",
-        ]
-        told = self.run(curl, *wait, "-d", f"@{study}", execution)
-        result = json.loads(told.stdout)["dataset"]
-        whole, file = tmp_path / "whole.nc", tmp_path / "x.nc"
-        assert self.run(curl, "-o", whole, result["href"]).returncode == 0
-        assert whole.stat().st_size == result["length"]
-        slow = [curl, "--silent", "--noproxy", "*", "--limit-rate", "1M", "-o", file]
-        with subprocess.Popen([*slow, result["href"]]) as broken:
-            wait_for(lambda: file.exists() and file.stat().st_size)
-            service.kill()
-            assert broken.wait(PATIENCE) == 18  # a part of the file
-        partial = file.stat().st_size
-        assert 0 < partial < result["length"]
-        service.start()
-        resumed = self.run(curl, "-C", "-", "-w", "%{http_code}", "-o", file, result["href"])
-        assert (resumed.returncode, resumed.stdout) == (0, "206"), resumed.stderr
-        assert file.read_bytes() == whole.read_bytes()
-
-    def test_what_is_complete_is_not_sent_again(self, curl, download, tmp_path):
-        file, kept = tmp_path / "x.nc", tmp_path / "etag"
-        assert self.run(curl, "-o", file, "--etag-save", kept, download).returncode == 0
-        again = self.run(
-            curl, "-o", tmp_path / "y.nc", "--etag-compare", kept, "-w", "%{http_code}", download
-        )
-        assert again.stdout == "304"
-        assert not (tmp_path / "y.nc").exists() or (tmp_path / "y.nc").stat().st_size == 0
-
-    def test_the_service_answers_while_a_slow_client_downloads(self, curl, server, download):
-        slow = subprocess.Popen(
-            [curl, "--silent", "--noproxy", "*", "--limit-rate", "100k", "-o", os.devnull, download]
-        )
-        try:
-            for _ in range(20):
-                urllib.request.urlopen(f"{server}/healthz", timeout=PATIENCE).close()
-            # A blocked loop would have waited for the client, which takes minutes.
-            assert slow.poll() is None
-        finally:
-            slow.terminate()
-            slow.wait(PATIENCE)
+def test_a_download_is_resumed_after_the_server_was_killed(curl, serve, tmp_path):
+    service = serve(workers=1)
+    content = sized(
+        ["acceleration_x", "transport_velocity"], frequency=25, amplitude=30, alpha=50, beta=80
+    )  # of more bytes than sockets hold
+    job = service.finished(service.post(content))
+    result = service.get(f"/jobs/{job['jobID']}/results")["dataset"]
+    whole, file, headers = tmp_path / "whole.nc", tmp_path / "x.nc", tmp_path / "headers"
+    assert curled(curl, "-o", whole, result["href"]).returncode == 0
+    assert whole.stat().st_size == result["length"]
+    slow = [curl, "--silent", "--noproxy", "*", "--limit-rate", "1M", "-o", file]
+    with subprocess.Popen([*slow, result["href"]]) as broken:
+        wait_for(lambda: file.exists() and file.stat().st_size)
+        service.kill()
+        assert broken.wait(PATIENCE) == 18  # a part of the file
+    partial = file.stat().st_size
+    assert 0 < partial < result["length"]
+    service.start()
+    resumed = curled(curl, "-C", "-", "-D", headers, "-o", file, result["href"])
+    assert resumed.returncode == 0, resumed.stderr
+    told = f"content-range: bytes {partial}-{result['length'] - 1}/{result['length']}"
+    assert told in headers.read_text().lower()
+    assert file.read_bytes() == whole.read_bytes()

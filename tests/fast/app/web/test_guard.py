@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import signal
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 
 import anyio
 import pytest
+import uvicorn
 from fastapi.testclient import TestClient
 from typer.testing import CliRunner
 
@@ -21,6 +23,7 @@ from vibrafeed.app.cli import app as commands
 from vibrafeed.app.jobs.keys import new_key
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import TEST_SWITCHES, Settings
+from vibrafeed.app.web import server
 from vibrafeed.app.web.guard import is_loopback
 from vibrafeed.app.web.observe import SAFE
 from waiting import EVERY, PATIENCE
@@ -439,6 +442,13 @@ class TestSettings:
         assert words in result.output
         assert KEY not in result.output
 
+    def test_the_service_refuses_to_open_itself_without_keys(self, tmp_path, monkeypatch):
+        monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(tmp_path))  # whoever runs it has keys
+        for host in ("0.0.0.0", "::", "lab.example"):
+            result = CliRunner().invoke(commands, ["serve", "--host", host])
+            assert result.exit_code == 2
+            assert "vibrafeed key add" in result.output
+
     def test_every_setting_is_shown_and_described(self, monkeypatch):
         for name in TEST_SWITCHES:
             monkeypatch.setenv(name, "1")
@@ -450,3 +460,13 @@ class TestSettings:
         text = "".join((ROOT / "docs" / page).read_text() for page in pages)
         for name in Settings.model_fields:
             assert f"VIBRAFEED_{name.upper()}" in text, name
+
+
+def test_a_signal_tells_the_app_before_connections_are_waited_for(tmp_path, monkeypatch):
+    monkeypatch.setattr(server, "_after", lambda seconds, call: None)  # it would end this process
+    client = serving(tmp_path)
+    process = server.Server(uvicorn.Config(client.app, log_config=None))
+    process.handle_exit(signal.SIGTERM, None)
+    assert client.app.state.stopping.is_set()
+    assert process.should_exit
+    problem(client.get("/readyz"), 503, "not-ready")
