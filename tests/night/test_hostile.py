@@ -13,14 +13,12 @@ from benchmarks.serving import served
 LIMITS = {"health": 1, "small": 3, "peak": 1.5e9, "after": 8e8, "log": 1_000_000, "busy": 3}
 
 
-@pytest.mark.night
 @pytest.mark.parametrize("attack", hostile.ATTACKS)
 def test_others_are_answered_soon_and_memory_comes_back(attack):
     found = hostile.suffered(hostile.ATTACKS[attack], 14)
     assert {name: value for name, value in found.items() if value > LIMITS[name]} == {}
 
 
-@pytest.mark.night
 def test_each_attack_asks_for_what_the_service_does(monkeypatch):
     """An attack that is refused as malformed would prove nothing."""
     statuses = {}

@@ -31,11 +31,6 @@ BEST = {
 }
 
 
-def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, str(TOOL), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
-
-
 @pytest.fixture(scope="module")
 def access(serve) -> list[str]:
     service = serve(workers=1)
@@ -45,7 +40,8 @@ def access(serve) -> list[str]:
 
 def test_it_finds_simulates_and_draws(access, tmp_path):
     picture = tmp_path / "new" / "design.png"
-    done = run(*access, "--points", "16", "--output", picture)
+    command = [sys.executable, TOOL, *access, "--points", "16", "--output", picture]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     found = re.search(r"= ([\d.]+) at alpha = ([\d.]+) deg, beta = ([\d.]+) deg", done.stdout)
     expected = tabulate(prepare_content(BEST)).to_xarray()
