@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
 from vibrafeed.app.jobs.process_pool import ProcessPool, _until_done
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
 from vibrafeed.core.errors import StoppedError
 from waiting import wait_for
 
@@ -43,6 +46,12 @@ def local_client(app: FastAPI, **options: Any) -> TestClient:
     if type(app.state.process_pool) is ProcessPool:  # not a test's own
         app.state.process_pool.__class__ = Threads  # all parts of the app hold the same one
     return TestClient(app, base_url=HERE, **options)
+
+
+def client_of(folder: Path, **settings: Any) -> TestClient:
+    """Return a client of a service with a data directory and settings; mistakes are replies."""
+    app = create_app(Settings(data_directory=folder, **settings))
+    return local_client(app, raise_server_exceptions=False)
 
 
 def ended(client: TestClient, address: str) -> dict[str, Any]:

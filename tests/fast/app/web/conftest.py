@@ -5,20 +5,15 @@ from __future__ import annotations
 import pytest
 from fastapi.testclient import TestClient
 
-from local_client import local_client
+from local_client import client_of
 from posted_sweeps import STUDY
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
 
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory):
     """Return a client of the service whose replies to GET and HEAD have equal headers."""
-    app = create_app(
-        Settings(data_directory=tmp_path_factory.mktemp("data"), max_cells=10**6, workers=2)
-    )
-    headers = {"X-Request-ID": "one"}
-    with local_client(app, raise_server_exceptions=False, headers=headers) as client:
+    with client_of(tmp_path_factory.mktemp("data"), max_cells=10**6, workers=2) as client:
+        client.headers["X-Request-ID"] = "one"
         yield client
 
 

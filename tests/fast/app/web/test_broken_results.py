@@ -15,12 +15,10 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from local_client import ended, local_client
+from local_client import client_of, ended
 from posted_sweeps import STUDY, problem, with_axes
 from vibrafeed.app.jobs import integrity
 from vibrafeed.app.jobs.manifest import JSON, NETCDF, ZARR
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
 from waiting import PATIENCE
 
 WAIT = {"Prefer": "respond-async, wait=300"}
@@ -43,13 +41,8 @@ def gone(path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    settings = Settings(
-        data_directory=tmp_path_factory.mktemp("data"),
-        workers=1,
-        max_wait_seconds=300,
-        max_cells=100_000,
-    )
-    with local_client(create_app(settings), raise_server_exceptions=False) as client:
+    folder = tmp_path_factory.mktemp("data")
+    with client_of(folder, workers=1, max_wait_seconds=300, max_cells=100_000) as client:
         yield client
 
 
@@ -190,21 +183,30 @@ def test_small_requests_do_not_wait_for_a_large_file(client, monkeypatch):
     assert {one.result().status_code for one in asked} == {200}
 
 
-def test_a_damaged_ledger_is_503_and_not_ready(tmp_path):
-    app = create_app(Settings(data_directory=tmp_path, workers=1))
-    with local_client(app, raise_server_exceptions=False) as client:
+@pytest.mark.parametrize(
+    ("code", "told", "is_ready"),
+    [
+        (sqlite3.SQLITE_CORRUPT, "The ledger is damaged.", False),
+        (sqlite3.SQLITE_BUSY, "Another process holds the ledger", True),
+    ],
+)
+def test_a_ledger_that_is_damaged_or_held(tmp_path, code, told, is_ready):
+    fault = sqlite3.DatabaseError("words of SQLite")
+    fault.sqlite_errorcode = code
+
+    def fail(*_):
+        raise fault
+
+    with client_of(tmp_path, workers=1) as client:
         assert client.get("/readyz").status_code == 200
-        dialect = app.state.admission.ledger.database._engine().dialect
-        malformed = sqlite3.DatabaseError("database disk image is malformed")
-        malformed.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
-
-        def fail(*_):
-            raise malformed
-
+        dialect = client.app.state.admission.ledger.database._engine().dialect
         dialect.do_execute = fail
-        assert problem(client.get("/jobs"), 503)["detail"] == "The ledger is damaged."
+        reply = client.get("/jobs")
         del dialect.do_execute
+        assert told in problem(reply, 503)["detail"]
+        assert int(reply.headers.get("retry-after", 1)) >= 1
         assert client.get("/jobs").status_code == 200
-        (error,) = problem(client.get("/readyz"), 503)["errors"]
-        assert error["message"] == "The ledger is damaged: restore the backup."
+        found = client.get("/readyz")
+        assert (found.status_code == 200) == is_ready
+        assert is_ready or "restore the backup" in problem(found, 503)["errors"][0]["message"]
         assert client.get("/healthz").status_code == 200

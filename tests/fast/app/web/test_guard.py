@@ -17,11 +17,10 @@ from fastapi.testclient import TestClient
 from typer.testing import CliRunner
 
 from access import BEARER, HASH, KEY, give_key
-from local_client import local_client
+from local_client import client_of, local_client
 from posted_sweeps import problem
 from vibrafeed.app.cli import app as commands
 from vibrafeed.app.jobs.keys import new_key
-from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import TEST_SWITCHES, Settings
 from vibrafeed.app.web import server
 from vibrafeed.app.web.guard import is_loopback
@@ -41,16 +40,12 @@ STUDY: dict[str, Any] = {
 }
 
 
-def serving(folder: Path, **settings: Any) -> TestClient:
-    return local_client(create_app(Settings(data_directory=folder, **settings)))
-
-
 class TestKeys:
     @pytest.fixture
     def client(self, tmp_path: Path) -> TestClient:
         give_key(tmp_path)
         give_key(tmp_path, OTHER_KEY)
-        return serving(tmp_path)
+        return client_of(tmp_path)
 
     @pytest.mark.parametrize("path", ["/docs", "/healthz", "/vibrafeed"])
     def test_a_path_of_a_proxy_opens_nothing(self, client, path):
@@ -80,7 +75,7 @@ class TestKeys:
                     assert "security" not in told
                     assert "401" in told["responses"]
         assert guarded >= 10
-        document = serving(tmp_path / "without").get("/openapi.json").json()
+        document = client_of(tmp_path / "without").get("/openapi.json").json()
         assert document["security"] == [{}, {"bearer": []}, {"header": []}]
 
     def test_what_is_not_documented_needs_one_too(self, client):
@@ -143,7 +138,7 @@ class TestKeys:
 class TestWithoutKeys:
     @pytest.mark.parametrize("host", ["localhost", "LOCALHOST:80", "127.0.0.1:8000", "[::1]:8000"])
     def test_this_machine_is_answered(self, tmp_path, host):
-        assert serving(tmp_path).get("/scenes", headers={"Host": host}).status_code == 200
+        assert client_of(tmp_path).get("/scenes", headers={"Host": host}).status_code == 200
 
     @pytest.mark.parametrize(
         "host",
@@ -152,7 +147,7 @@ class TestWithoutKeys:
          "[::2]:80", "0.0.0.0:8000"],
     )  # fmt: skip
     def test_another_name_is_refused_even_if_it_leads_here(self, tmp_path, host):
-        client = serving(tmp_path)
+        client = client_of(tmp_path)
         for path in ("/scenes", "/healthz", "/docs"):
             problem(client.get(path, headers={"Host": host}), 403, "no-keys")
 
@@ -172,12 +167,11 @@ class TestWithoutKeys:
         ],
     )
     def test_the_socket_decides_whatever_started_the_app(self, tmp_path, address, status):
-        app = create_app(Settings(data_directory=tmp_path))
-        assert asked(app, "/scenes", server=address)[0] == status
+        assert asked(client_of(tmp_path).app, "/scenes", server=address)[0] == status
         give_key(tmp_path)
-        keyed = create_app(Settings(data_directory=tmp_path))
         header = [(b"authorization", f"Bearer {KEY}".encode())]
-        assert asked(keyed, "/scenes", server=address, headers=header)[0] == 200
+        keyed = asked(client_of(tmp_path).app, "/scenes", server=address, headers=header)
+        assert keyed[0] == 200
 
     @pytest.mark.parametrize(
         ("host", "expected"),
@@ -214,7 +208,7 @@ ELSEWHERE = {"Origin": "https://lab.example"}
 class TestOrigins:
     @pytest.mark.parametrize("origin", ["https://evil.example", "null", "http://127.0.0.1:81", ""])
     def test_another_page_may_not_change_anything(self, tmp_path, origin):
-        client = serving(tmp_path)
+        client = client_of(tmp_path)
         problem(client.post("/sweeps", json=STUDY, headers={"Origin": origin}), 403, "origin")
         problem(client.delete("/sweeps/x", headers={"Origin": origin}), 403, "origin")
         reply = client.get("/scenes", headers={"Origin": origin})
@@ -225,7 +219,7 @@ class TestOrigins:
 
     def test_named_origins_may(self, tmp_path):
         give_key(tmp_path)
-        client = serving(tmp_path, cors_origins="https://lab.example")
+        client = client_of(tmp_path, cors_origins="https://lab.example")
         allowed = client.options(
             "/sweeps",
             headers={
@@ -247,7 +241,7 @@ class TestOrigins:
 
 
 def test_every_reply_has_safe_headers(tmp_path):
-    client = serving(tmp_path)
+    client = client_of(tmp_path)
     client.app.add_api_route("/fails", fail)
     replies = [
         client.get("/healthz"),
@@ -278,7 +272,7 @@ def fail() -> None:
 
 class TestLimits:
     def test_requests_under_way_are_limited_of_an_address_and_of_all(self, tmp_path):
-        app = create_app(Settings(data_directory=tmp_path, max_requests=8))
+        app = client_of(tmp_path, max_requests=8).app
         held, go = threading.Semaphore(0), threading.Event()
 
         async def wait() -> dict[str, str]:
@@ -309,7 +303,7 @@ class TestLimits:
 
     @pytest.mark.parametrize("path", POSTS)
     def test_a_large_body_is_refused_before_it_is_read(self, tmp_path, path):
-        client = serving(tmp_path, max_body_bytes=1000)
+        client = client_of(tmp_path, max_body_bytes=1000)
         for length in ("1001", "50000000", "9" * 30, "0" * 30 + "1001"):
             problem(client.post(path, content=b"", headers={"Content-Length": length}), 413, "body")
         # Without a length it is counted as it comes; that of a GET is ignored.
@@ -347,7 +341,7 @@ DEEP = 100_000
     ],
 )
 def test_a_hostile_body_gets_a_problem_that_names_it(tmp_path, body, words):
-    client = serving(tmp_path)
+    client = client_of(tmp_path)
     for path in POSTS:
         reply = client.post(path, content=body)
         document = problem(reply, 422, "study")
@@ -356,7 +350,7 @@ def test_a_hostile_body_gets_a_problem_that_names_it(tmp_path, body, words):
 
 
 def test_a_tricky_path_gets_a_problem(tmp_path):
-    client = serving(tmp_path)
+    client = client_of(tmp_path)
     for path in (
         "/sweeps/..%2f..%2fetc%2fpasswd",
         "/sweeps/%00",
@@ -390,17 +384,15 @@ def test_a_tricky_path_gets_a_problem(tmp_path):
 )
 def test_the_host_of_an_absolute_form_is_that_of_the_url(tmp_path, url, status):
     """Requests as clients send them to proxies, which servers have to take, too (RFC 9112)."""
-    app = create_app(Settings(data_directory=tmp_path))
-    assert asked(app, url, server=("127.0.0.1", 80))[0] == status
+    assert asked(client_of(tmp_path).app, url, server=("127.0.0.1", 80))[0] == status
     give_key(tmp_path)
-    app = create_app(Settings(data_directory=tmp_path))
-    assert asked(app, "http://localhost/scenes", server=None)[0] == 401
+    assert asked(client_of(tmp_path).app, "http://localhost/scenes", server=None)[0] == 401
 
 
 @pytest.mark.parametrize("query", ["a=" + 8_200 * "1", 256 * "a=1&", 256 * "&"])
 def test_a_query_that_is_long_to_read_is_not_read(tmp_path, query, monkeypatch):
     """With 5,000 names in each of 64 queries others waited for a minute."""
-    client = serving(tmp_path)
+    client = client_of(tmp_path)
     monkeypatch.setattr("starlette.requests.QueryParams", None)
     problem(client.get(f"/scenes?{query}"), 414, "query")
     monkeypatch.undo()
@@ -464,7 +456,7 @@ class TestSettings:
 
 def test_a_signal_tells_the_app_before_connections_are_waited_for(tmp_path, monkeypatch):
     monkeypatch.setattr(server, "_after", lambda seconds, call: None)  # it would end this process
-    client = serving(tmp_path)
+    client = client_of(tmp_path)
     process = server.Server(uvicorn.Config(client.app, log_config=None))
     process.handle_exit(signal.SIGTERM, None)
     assert client.app.state.stopping.is_set()

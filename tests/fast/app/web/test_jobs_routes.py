@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
@@ -15,11 +13,9 @@ import xarray
 from fastapi import Request
 from fastapi.testclient import TestClient
 
-from local_client import ended, local_client
+from local_client import client_of, ended
 from posted_sweeps import problem
-from vibrafeed.app.jobs.ledger import Job, Ledger
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
+from vibrafeed.app.jobs.ledger import Job
 from vibrafeed.app.web.documents import status_info
 from vibrafeed.app.web.prefer import Preferences, preferences
 from vibrafeed.core.intake import parse_study
@@ -83,11 +79,10 @@ def reduced(num: int, over: tuple[str, ...] = ("amplitude", "beta")) -> dict[str
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    settings = Settings(
-        data_directory=tmp_path_factory.mktemp("data"), workers=1, max_queue=2, max_cells=200_000,
+    with client_of(
+        tmp_path_factory.mktemp("data"), workers=1, max_queue=2, max_cells=200_000,
         max_synchronous_seconds=1.0, max_wait_seconds=50, block_seconds=0.1, grace_seconds=0.1,
-    )  # fmt: skip
-    with local_client(create_app(settings), raise_server_exceptions=False) as client:
+    ) as client:  # fmt: skip
         yield client
 
 
@@ -296,10 +291,7 @@ class TestResults:
 class TestFailure:
     def test_the_results_of_a_failed_job_are_why(self, tmp_path):
         # No study ends within a nanosecond: it is stopped at the limit after its first block.
-        settings = Settings(
-            data_directory=tmp_path, workers=1, max_job_seconds=1e-9, block_seconds=0.1
-        )
-        with local_client(create_app(settings)) as client:
+        with client_of(tmp_path, workers=1, max_job_seconds=1e-9, block_seconds=0.1) as client:
             job = client.post(MOTION, json=endless(0.3), headers=ASYNC).json()
             job = ended(client, f"/jobs/{job['jobID']}")
             assert job["status"] == "failed"
@@ -311,8 +303,7 @@ class TestFailure:
                 assert found["detail"] in job["message"]
 
     def test_a_full_disk_is_told_before_any_work(self, tmp_path):
-        settings = Settings(data_directory=tmp_path, workers=1, disk_quota_bytes=1000)
-        with local_client(create_app(settings)) as client:
+        with client_of(tmp_path, workers=1, disk_quota_bytes=1000) as client:
             many = study(frequency={"start": 20, "stop": 120, "num": 600})
             problem(client.post(PATH, json=many, headers=ASYNC), 507, "problem:storage")
             assert client.get("/jobs").json()["jobs"] == []
@@ -322,10 +313,7 @@ class TestFailure:
             assert client.get(f"/sweeps/{posted['id']}").status_code == 200
 
     def test_what_is_beyond_all_limits_is_refused(self, tmp_path):
-        settings = Settings(
-            data_directory=tmp_path, max_execution_seconds=0.01, max_sweep_cells=10**7
-        )
-        with local_client(create_app(settings)) as client:
+        with client_of(tmp_path, max_execution_seconds=0.01, max_sweep_cells=10**7) as client:
             long = study(frequency={"start": 20, "stop": 120, "num": 200_000}, beta=[*range(20)])
             posted = client.post("/sweeps", json=long).json()
             found = problem(client.get(f"/sweeps/{posted['id']}/netcdf"), 422, "problem:limit")
@@ -424,24 +412,6 @@ class TestList:
         ):  # fmt: skip
             problem(client.get(f"/jobs?{query}"), 422)
         assert "next" in problem(client.get("/jobs?offset=100"), 422)["errors"][0]["message"]
-
-    def test_an_owner_reads_one_list_at_a_time(self, client, monkeypatch):
-        # The lists of many jobs leave threads to others.
-        under_way, most = [], []
-        listed = Ledger.jobs
-
-        def slow(*arguments: Any, **named: Any) -> Any:
-            under_way.append(None)
-            most.append(len(under_way))
-            time.sleep(0.02)
-            under_way.pop()
-            return listed(*arguments, **named)
-
-        monkeypatch.setattr(Ledger, "jobs", slow)
-        with ThreadPoolExecutor(4) as threads:
-            replies = [*threads.map(client.get, ["/jobs"] * 8)]
-        assert [reply.status_code for reply in replies] == [200] * 8
-        assert max(most) == 1
 
 
 def test_reductions_at_once_and_of_more_cells_than_may_be_stored(client, tmp_path):

@@ -20,21 +20,18 @@ from fastapi.testclient import TestClient
 from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanExporter
 from prometheus_client.parser import text_string_to_metric_families
 
-from local_client import Threads, ended, local_client
+from local_client import Threads, client_of, ended
 from posted_sweeps import STUDY, problem, with_axes
 from vibrafeed import core
 from vibrafeed.app import spans, traces
-from vibrafeed.app.jobs.ledger import Work
 from vibrafeed.app.jobs.work import Task
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
 from vibrafeed.app.web import warmth
 from waiting import PATIENCE, wait_for
 
 
 @pytest.fixture
 def client(tmp_path: Path) -> TestClient:
-    return local_client(create_app(Settings(data_directory=tmp_path / "data")))
+    return client_of(tmp_path / "data")
 
 
 def figures(client: TestClient) -> dict[tuple[str, ...], float]:
@@ -130,17 +127,6 @@ def test_requests_under_way_are_counted_while_they_are(client):
         assert figures(client)["vibrafeed_requests_under_way",] == 1
 
 
-def test_parts_add_gauges_and_apps_share_nothing(client, tmp_path):
-    values = {"cold": 3.0}
-    client.app.state.metrics.gauges("vibrafeed_pots", "Pots.", "state", lambda: values)
-    assert figures(client)["vibrafeed_pots", "cold"] == 3
-    values.update(cold=4.0, warm=1.0)
-    found = figures(client)
-    assert (found["vibrafeed_pots", "cold"], found["vibrafeed_pots", "warm"]) == (4, 1)
-    other = local_client(create_app(Settings(data_directory=tmp_path)))
-    assert ("vibrafeed_pots", "cold") not in figures(other)
-
-
 def test_jobs_are_counted_by_their_state_in_one_look(client, monkeypatch):
     ledger, looks = client.app.state.admission.ledger, []
     states = set(ledger.counts())
@@ -167,19 +153,6 @@ def test_the_queue_tells_what_waits_and_for_how_long(client, monkeypatch):
     # A lease that has run out is waited for by others.
     monkeypatch.setattr(time, "time", lambda: now + 11)
     assert told()[0] == 2
-
-
-def test_blocks_and_work_are_timed(client):
-    item = Work("key", "sweep", 1, 2, 0.0, "owner")
-    metrics = client.app.state.metrics
-    metrics.began(item)
-    metrics.computed(item, 0.25)
-    metrics.computed(item, 2.0)
-    metrics.ended(item, "done", 2.25)
-    found = figures(client)
-    assert found["vibrafeed_block_seconds_count", "sweep"] == 2
-    assert found["vibrafeed_block_seconds_sum", "sweep"] == 2.25
-    assert found["vibrafeed_work_seconds_count", "done", "sweep"] == 1
 
 
 def test_ready_or_why_not(client, tmp_path, monkeypatch):
@@ -220,10 +193,14 @@ def test_request_job_and_blocks_share_a_trace(tmp_path, monkeypatch):
     monkeypatch.setenv("OTEL_EXPORTER_OTLP_ENDPOINT", "http://127.0.0.1:9")
     trace, parent = "0af7651916cd43dd8448eb211c80319c", "b7ad6b7169203331"
     asked = {"traceparent": f"00-{trace}-{parent}-01", "Prefer": "respond-async"}
-    with local_client(create_app(Settings(data_directory=tmp_path, workers=1))) as client:
+    with client_of(tmp_path, workers=1) as client:
         path = "/processes/sweep/execution?secret=word"
         job = client.post(path, json=with_axes(alpha=2), headers=asked)
         ended(client, job.headers["location"])
+        told = figures(client)
+    assert told["vibrafeed_block_seconds_count", "sweep"] == 1
+    assert told["vibrafeed_block_seconds_sum", "sweep"] > 0
+    assert told["vibrafeed_work_seconds_count", "done", "sweep"] == 1
     found = sent.get_finished_spans()
     assert {span.resource.attributes["service.name"] for span in found} == {"vibrafeed"}
     ours = {span.name: span for span in found if span.context.trace_id == int(trace, 16)}

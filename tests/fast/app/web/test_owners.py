@@ -11,13 +11,11 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from local_client import local_client
+from local_client import client_of
 from posted_sweeps import problem
 from two_keys import ASYNC, SLICE, study
 from vibrafeed.app.jobs import audit
 from vibrafeed.app.jobs.keys import Key
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.entry import INVALID
 from waiting import PATIENCE, wait_for
 
@@ -72,16 +70,15 @@ class House:
 @pytest.fixture
 def house(tmp_path) -> Iterator[House]:
     """Give a service that has not been started: its jobs wait."""
-    app = create_app(Settings(data_directory=tmp_path))
-    yield House(local_client(app))
-    app.state.admission.ledger.close()
+    client = client_of(tmp_path)
+    yield House(client)
+    client.app.state.admission.ledger.close()
 
 
 @pytest.fixture(scope="module")
 def running(tmp_path_factory) -> Iterator[House]:
     """Give one that works."""
-    settings = Settings(data_directory=tmp_path_factory.mktemp("data"), workers=1)
-    with local_client(create_app(settings)) as client:
+    with client_of(tmp_path_factory.mktemp("data"), workers=1) as client:
         yield House(client)
 
 
@@ -146,8 +143,7 @@ class TestRoles:
 
 class TestLimits:
     def test_one_key_has_its_share_of_what_is_under_way(self, tmp_path):
-        app = create_app(Settings(data_directory=tmp_path, max_requests=8))
-        house = House(local_client(app))
+        house = House(client_of(tmp_path, max_requests=8))
         job = house.job(house.key("lab"))["jobID"]
         with ThreadPoolExecutor(8) as threads:
             lab = house.key("crowd", "admin")
@@ -155,10 +151,10 @@ class TestLimits:
             wait_for(lambda: sum(stream.done() for stream in streams) >= 4)
             refused = [stream.result() for stream in streams if stream.done()]
             assert house.key("other")("GET", "/scenes").status_code == 200
-            app.state.stopping.set()
+            house.client.app.state.stopping.set()
         for reply in refused:
             problem(reply, 429, "problem:rate")
-        app.state.admission.ledger.close()
+        house.admission.ledger.close()
 
     def test_requests_a_second(self, house):
         ask, other = house.key("lab", requests=3), house.key("other")
@@ -275,15 +271,14 @@ class TestOwners:
 
     def test_making_room_takes_nothing_that_others_hold(self, tmp_path):
         size = len(json.dumps(study(1)))
-        app = create_app(Settings(data_directory=tmp_path, disk_quota_bytes=12 * size))
-        house = House(local_client(app))
+        house = House(client_of(tmp_path, disk_quota_bytes=12 * size))
         one, two = house.key("one"), house.key("two")
         keys = [house.sweep(one, number) for number in range(3)]
         mine, *_ = [house.sweep(two, number) for number in range(10, 40)]
         assert house.admission.store.used(mine) == 0, "nothing had to make room"
         for key in keys:
             assert one("GET", f"/sweeps/{key}").status_code == 200
-        app.state.admission.ledger.close()
+        house.admission.ledger.close()
 
 
 class TestResults:

@@ -12,9 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from local_client import local_client
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
+from local_client import client_of
 from vibrafeed.app.web.routes import page
 from vibrafeed.core.quantities.pictures import INKS, colour_of
 
@@ -26,7 +24,7 @@ MARKUP = r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\("
 
 @pytest.fixture
 def client(tmp_path):
-    return local_client(create_app(Settings(data_directory=tmp_path)))
+    return client_of(tmp_path)
 
 
 def test_a_browser_gets_the_page_and_a_program_gets_links(client):
@@ -47,7 +45,7 @@ def test_a_wheel_with_a_bundle_sends_it_in_place_of_the_entry(tmp_path, monkeypa
     (folder / "bundle.js").write_text("// all modules")
     monkeypatch.setattr(page, "FILES", folder)
     monkeypatch.setattr(page, "BUNDLE", folder / "bundle.js")
-    client = local_client(create_app(Settings(data_directory=tmp_path / "data")))
+    client = client_of(tmp_path / "data")
     assert client.get("/page/modules/main.js").text == "// all modules"
     assert "import" in client.get("/page/modules/answers.js").text
 

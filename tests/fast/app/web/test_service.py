@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import codecs
-import contextlib
 import json
 import re
-import sqlite3
 import threading
 import tomllib
 from pathlib import Path
@@ -17,11 +15,9 @@ from fastapi.testclient import TestClient
 
 import vibrafeed
 from benchmarks.quantities_page import PAGE, page
-from local_client import local_client
+from local_client import client_of, local_client
 from posted_sweeps import STUDY, problem
 from recordings import DRIVE, csv_of, signal_of
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
 from vibrafeed.app.web import calculations
 from vibrafeed.app.web.execution import PROCESSES
 from vibrafeed.app.web.openapi import StudySchema
@@ -51,18 +47,6 @@ TEXT = csv_of(signal_of(DRIVE))
 
 
 @pytest.fixture(scope="module")
-def settings(tmp_path_factory: pytest.TempPathFactory) -> Settings:
-    folder = tmp_path_factory.mktemp("data")
-    return Settings(data_directory=folder, max_cells=10**6, workers=2)
-
-
-@pytest.fixture(scope="module")
-def client(settings: Settings):
-    with local_client(create_app(settings), raise_server_exceptions=False) as client:
-        yield client
-
-
-@pytest.fixture(scope="module")
 def posted(client: TestClient) -> str:
     return client.post("/sweeps", json=STUDY).json()["id"]
 
@@ -88,7 +72,7 @@ class TestDocuments:
     def test_openapi_comes_from_memory_with_an_etag(
         self, tmp_path, root, monkeypatch, without_studies
     ):
-        app = create_app(Settings(data_directory=tmp_path))
+        app = client_of(tmp_path).app
         client = local_client(app, root_path=root)
         first = client.get("/openapi.json")
         assert first.status_code == 200
@@ -205,24 +189,6 @@ class TestRequests:
         monkeypatch.setattr(client.app.state.store, "sweep", fail)
         assert "secret" not in str(problem(client.get(f"/sweeps/{posted}"), 500))
 
-    def test_a_ledger_that_another_process_holds_is_asked_again(
-        self, client, tmp_path, monkeypatch
-    ):
-        def held(*_: object, **__: object) -> None:
-            with (
-                contextlib.closing(sqlite3.connect(tmp_path / "x", isolation_level=None)) as one,
-                contextlib.closing(sqlite3.connect(tmp_path / "x", timeout=0)) as two,
-            ):
-                one.execute("BEGIN EXCLUSIVE")
-                two.execute("CREATE TABLE jobs (id)")
-
-        with monkeypatch.context() as busy:
-            busy.setattr(client.app.state.admission.ledger, "jobs", held)
-            response = client.get("/jobs")
-        assert "holds the ledger" in problem(response, 503, "problem:busy")["detail"]
-        assert int(response.headers["retry-after"]) >= 1
-        assert client.get("/jobs").status_code == 200
-
 
 class TestSweeps:
     def test_a_study_is_addressed_by_its_content(self, client):
@@ -317,7 +283,7 @@ class TestSimulation:
 
     @pytest.mark.parametrize("is_ended", [False, True])
     def test_what_takes_longer_than_a_request_goes_on_as_a_job(
-        self, settings, is_ended, monkeypatch
+        self, tmp_path, is_ended, monkeypatch
     ):
         """By itself, or its process is ended."""
         patience = processes.calculate_in_process
@@ -328,9 +294,7 @@ class TestSimulation:
             return await patience(request, function, *arguments, seconds=seconds)
 
         monkeypatch.setattr(processes, "calculate_in_process", calculate)
-        seconds = settings.max_execution_seconds if is_ended else 1e-9
-        hurried = settings.model_copy(update={"max_execution_seconds": seconds})
-        with local_client(create_app(hurried)) as client:
+        with client_of(tmp_path, max_execution_seconds=30 if is_ended else 1e-9) as client:
             reply = client.post(PATH, json=SIMULATION)
             assert reply.status_code == 201, reply.text
             assert reply.headers["location"].endswith(f"/jobs/{reply.json()['jobID']}")

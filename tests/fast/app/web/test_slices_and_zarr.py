@@ -6,17 +6,16 @@ import io
 import json
 import struct
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import orjson
 import pandas
 import pytest
 
-from local_client import local_client
+from local_client import client_of
 from posted_sweeps import STUDY, TRILLION, problem, with_axes
-from vibrafeed.app.jobs.errors import NotFoundError
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
 from vibrafeed.app.web.accept import preferred
 from vibrafeed.app.web.calculations import encode_json
 from vibrafeed.core.intake import parse_study, prepare_content
@@ -25,7 +24,7 @@ from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.lazy.view import ZarrView
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.system import installing
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_for
 
 
 def unpack(content: bytes) -> tuple[dict, dict[str, np.ndarray]]:
@@ -59,12 +58,6 @@ CUT = {
 
 class TestSlice:
     def test_words_for_angles_are_letters(self, client, address):
-        letters, parameters = STUDY["parameters"], {}
-        for name, value in letters.items():
-            parameters[{"alpha": "azimuth", "beta": "elevation"}.get(name, name)] = value
-        again = client.post("/sweeps", json={**STUDY, "parameters": parameters})
-        assert (again.status_code, f"/sweeps/{again.json()['id']}") == (200, address)
-        assert {*again.json()["study"]["parameters"]} == {*letters}
         words = {**CUT, "axes": "azimuth,frequency", "elevation": "15 deg"}
         del words["beta"]
         expected = client.get(f"{address}/slice", params=CUT).json()
@@ -213,11 +206,10 @@ class TestSlice:
 
 
 def test_a_sweep_of_another_version_is_told_so(tmp_path, monkeypatch):
-    settings = Settings(data_directory=tmp_path)
-    with local_client(create_app(settings)) as client:
+    with client_of(tmp_path) as client:
         address = f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
     monkeypatch.setattr("vibrafeed.core.__version__", "99.0")
-    with local_client(create_app(settings)) as client:
+    with client_of(tmp_path) as client:
         for path in ("", "/netcdf", "/zarr/zarr.json"):
             problem(client.get(address + path), 409, "problem:version")
         problem(client.get(f"{address}/slice", params=CUT), 409)
@@ -299,11 +291,10 @@ def read(form: str, content: bytes) -> pandas.DataFrame:
 @pytest.fixture(scope="module")
 def patient(tmp_path_factory):
     """Return a client of a service that computes jobs, with few rows in a table."""
-    settings = Settings(
-        data_directory=tmp_path_factory.mktemp("data"), workers=1, max_wait_seconds=PATIENCE,
+    with client_of(
+        tmp_path_factory.mktemp("data"), workers=1, max_wait_seconds=PATIENCE,
         max_table_rows=2000, max_sheet_rows=1600,
-    )  # fmt: skip
-    with local_client(create_app(settings)) as client:
+    ) as client:  # fmt: skip
         yield client
 
 
@@ -406,11 +397,27 @@ class TestTables:
         np.testing.assert_array_equal(found["transport_velocity"], values.ravel())
 
 
-def test_a_view_is_made_once_and_forgotten_when_its_sweep_has_been_removed(client):
-    key = client.post("/sweeps", json=with_axes(frequency=3)).json()["id"]
-    views = client.app.state.views
-    assert views.view(key) is views.view(key)
-    client.app.state.store.remove(key)
-    for _ in range(2):
-        with pytest.raises(NotFoundError):
-            views.view(key)
+def test_who_reads_many_chunks_takes_no_thread_from_small_slices(tmp_path, monkeypatch):
+    """Chunks that block keep others from starting; what is in memory and small slices do not."""
+    free, under_way, read = threading.Event(), [], ZarrView.read
+
+    def blocked(view, key):
+        if not key.endswith(".json"):
+            under_way.append(key)
+            assert free.wait(PATIENCE)
+        return read(view, key)
+
+    monkeypatch.setattr(ZarrView, "read", blocked)
+    with client_of(tmp_path, workers=2) as client, ThreadPoolExecutor(8) as threads:
+        most = client.app.state.process_pool.fair_queue.slots - 1
+        address = f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
+        chunk = f"{address}/zarr/acceleration_x/c/0/0/0/0"
+        asked = [threads.submit(client.get, chunk) for _ in range(8)]
+        wait_for(lambda: len(under_way) >= most)
+        fixed = "amplitude=0.35 mm&frequency=20 Hz&alpha=0"
+        slice_ = f"/slice?output=acceleration_x&axes=beta&{fixed}"
+        for path in (slice_, "/zarr/zarr.json", "/zarr/beta/zarr.json"):
+            assert client.get(f"{address}{path}").status_code == 200
+        assert len(under_way) == most
+        free.set()
+        assert {one.result().status_code for one in asked} == {200}
