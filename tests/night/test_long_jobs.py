@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import tarfile
-import time
 from pathlib import Path
 
 import distributed
@@ -18,13 +16,6 @@ from vibrafeed.core.code_version import code_version
 from waiting import PATIENCE, wait_for
 
 OLD = Path(__file__).parents[1] / "data" / "data-of-e09fcfb.tar.gz"
-# Its report has two families of measurements, of a few seconds each.
-CLOSED_FORMS = {
-    "kind": "sweep",
-    "scene": "rectangle-on-plane",
-    "outputs": ["throw_number"],
-    "parameters": {"frequency": 50, "amplitude": "0.2 mm", "beta": 30},
-}
 
 
 def test_a_small_job_does_not_wait_for_long_ones(tmp_path):
@@ -33,42 +24,6 @@ def test_a_small_job_does_not_wait_for_long_ones(tmp_path):
         server.begun(long[0])
         assert server.finished(server.post(small()))["status"] == "successful"
         assert {server.job(number)["status"] for number in long} <= {"accepted", "running"}
-
-
-def test_accuracy_is_measured_and_can_be_dismissed(tmp_path):
-    with serving(tmp_path, **QUICK, workers=1) as server:
-
-        def posted(study):
-            return json.loads(server.ask("/processes/accuracy/execution", study))["jobID"]
-
-        job = server.finished(posted(CLOSED_FORMS))
-        assert job["status"] == "successful"
-        assert job["elapsedSeconds"] > 0
-        others = [posted(small(60 + number)) for number in range(3)]
-        server.waited(others[0], lambda job: job["status"] == "running")
-        for one in others:
-            server.ask(f"/jobs/{one}", method="DELETE")
-        assert server.finished(server.post(small(70)))["status"] == "successful"
-        assert {server.job(one)["status"] for one in others} == {"dismissed"}
-
-
-def test_a_block_that_is_done_is_not_computed_again(tmp_path):
-    with serving(tmp_path, **QUICK) as server:
-        number = server.post(simulation(0))
-        folder = tmp_path / "data" / "studies" / server.begun(number)["study"]
-        server.kill()
-        time.sleep(2)  # for its workers to see that they are alone
-        done = {path: path.stat().st_mtime_ns for path in folder.rglob("*.block")}
-        assert done
-        server.launch()
-
-        def is_untouched(_):
-            for path, stamp in done.items():
-                if path.exists():
-                    assert path.stat().st_mtime_ns == stamp
-            return False
-
-        assert server.waited(number, is_untouched)["status"] == "successful"
 
 
 def test_work_on_a_scheduler_elsewhere(tmp_path):

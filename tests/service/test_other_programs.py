@@ -74,31 +74,6 @@ def test_r_reads_csv(places):
     assert regimes.split() == expected["regime"]
 
 
-def test_r_reads_netcdf(places):
-    """With ncdf4, which is Debian's r-cran-ncdf4; its first dimension is the file's last."""
-    code = f"""
-        if (!requireNamespace('ncdf4', quietly = TRUE)) quit()
-        f <- ncdf4::nc_open('{places[".nc"]}')
-        v <- ncdf4::ncvar_get(f, 'conveying_velocity')
-        cat(rev(dim(v)), '\n', sprintf('%.17g', as.vector(v)), '\n')
-        cat(sprintf('%.17g', ncdf4::ncvar_get(f, 'amplitude')), '\n')
-        cat(as.vector(ncdf4::ncvar_get(f, 'regime')), '\n')
-        cat(ncdf4::ncatt_get(f, 'conveying_velocity', 'units')$value, '\n')
-        cat(ncdf4::ncatt_get(f, 0, 'Conventions')$value, '\n')
-    """
-    lines = said("Rscript", "--vanilla", "-e", code).splitlines()
-    if not lines:
-        pytest.skip("ncdf4 is not installed")
-    shape, speeds, amplitudes, regimes, units, conventions = lines
-    found = MOTION.variables["conveying_velocity"].values
-    assert numbers(shape) == list(found.shape)
-    assert numbers(speeds) == found.ravel().tolist()
-    assert numbers(amplitudes) == MOTION.coordinates["amplitude"].values.tolist()
-    assert numbers(regimes) == MOTION.variables["regime"].values.ravel().tolist()
-    assert units.strip() == "m s-1"
-    assert "CF-1.11" in conventions
-
-
 def test_an_older_xarray_reads_netcdf_and_zarr_of_version_2(places, tmp_path):
     if not OLDER.exists():
         absent("an older xarray is not installed")

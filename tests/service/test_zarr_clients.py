@@ -7,15 +7,12 @@ import json
 import subprocess
 import sys
 import urllib.request
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
-from vibrafeed.core.kinds.results import outline
-from vibrafeed.core.lazy.view import ZarrView
 from waiting import PATIENCE, wait_for
 
 ENDS = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}
@@ -109,20 +106,6 @@ def test_xarray_opens_a_trillion_cells_at_once_and_slices_them(server, tmp_path)
         assert len(np.unique(piece["regime"])) > 1
 
 
-def test_sixteen_readers_at_a_time_get_identical_bytes(server):
-    address = post(server, TRILLION)
-    keys = [f"{name}/c/31/31/31/{i}" for name in ("acceleration_x", "regime") for i in (0, 1)]
-    sweep = prepare_content(TRILLION)
-    view = ZarrView(sweep, outline(sweep))
-
-    def is_right(key: str) -> bool:
-        with urllib.request.urlopen(f"{address}/zarr/{key}", timeout=PATIENCE) as response:
-            return response.read() == view.read(key)
-
-    with ThreadPoolExecutor(16) as pool:
-        assert all(pool.map(is_right, keys * 16))
-
-
 def test_no_path_leads_out_of_the_group(server):
     """Sent as it stands: most clients would tidy it first."""
     address = post(server, TRILLION).removeprefix(server)
@@ -137,22 +120,6 @@ def test_no_path_leads_out_of_the_group(server):
         assert response.status == 404, path
         assert json.load(response)["status"] == 404
         connection.close()
-
-
-def test_a_head_is_followed_by_nothing(server):
-    """A body after a HEAD would be taken for the next reply."""
-    address = post(server, TRILLION).removeprefix(server)
-    connection = http.client.HTTPConnection(server.removeprefix("http://"), timeout=PATIENCE)
-    for key in ("zarr.json", "acceleration_x/c/0/0/0/0"):
-        lengths = []
-        for method in ("HEAD", "GET"):
-            connection.request(method, f"{address}/zarr/{key}")
-            response = connection.getresponse()
-            assert response.status == 200
-            lengths.append((response.headers["content-length"], len(response.read())))
-        (told, nothing), (told_again, length) = lengths
-        assert (told, nothing, told_again) == (str(length), 0, str(length))
-    connection.close()
 
 
 def curled(curl: str, *options: object) -> subprocess.CompletedProcess[str]:

@@ -13,11 +13,9 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-import vibrafeed
 from benchmarks.quantities_page import PAGE, page
 from local_client import client_of, local_client
 from posted_sweeps import STUDY, problem
-from recordings import DRIVE, csv_of, signal_of
 from vibrafeed.app.web import calculations
 from vibrafeed.app.web.execution import PROCESSES
 from vibrafeed.app.web.openapi import StudySchema
@@ -25,7 +23,6 @@ from vibrafeed.app.web.routes import processes
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.intake.forms import FORMS, REQUESTS, to_toml
-from vibrafeed.core.intake.section import MAX_ROWS_SENT
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.scenes import SCENES
@@ -43,7 +40,6 @@ SIMULATION = {
         "friction": [0.3, 0.5],
     },
 }
-TEXT = csv_of(signal_of(DRIVE))
 
 
 @pytest.fixture(scope="module")
@@ -214,28 +210,6 @@ class TestSweeps:
             "source": "theory 13.2",
         }
 
-    def test_a_slice_asks_only_for_the_axes_that_its_output_needs(self, client, posted):
-        params = {"output": "throw_number", "axes": "beta", "frequency": 50, "amplitude": 5e-4}
-        piece = client.get(f"/sweeps/{posted}/slice", params=params)
-        assert piece.status_code == 200, piece.text
-        assert not {"alpha", "distance"} & set(piece.json()["fixed"])
-
-    def test_a_wrong_slice_is_explained(self, client, posted):
-        good = {"output": "acceleration_x", "axes": "beta", "frequency": 50, "amplitude": 5e-4}
-        for change, place, words in (
-            ({"output": "velocity"}, "output", "Did you mean"),
-            ({"axes": "bta"}, "axes", "Did you mean 'beta' (elevation)?"),
-            ({"axes": "alpha,beta,frequency"}, "axes", "one or two"),
-            ({"frequency": "55 Hz"}, "frequency", "nearest are 50 and 60 Hz"),
-            ({"frequency": "55 kg"}, "frequency", "Hz"),
-            ({"frequency": None}, "frequency", "from 20 to 120 Hz"),
-            ({"radius": 1}, "radius", "Known: alpha"),
-        ):
-            params = {k: v for k, v in {**good, "alpha": 10, **change}.items() if v is not None}
-            document = problem(client.get(f"/sweeps/{posted}/slice", params=params), 422)
-            found = {one["place"]: f"{one['message']} {one['fix']}" for one in document["errors"]}
-            assert words in found[place]
-
 
 class TestSimulation:
     @pytest.mark.parametrize(
@@ -274,12 +248,13 @@ class TestSimulation:
             ({"inputs": []}, "inputs"),
             ({**SIMULATION, "kind": "sweep"}, "kind"),
             ([1], "study"),
+            ({**SIMULATION, "drive": {"file": "/etc/hostname", "along": "ax"}}, "drive.file"),
         ],
     )
     def test_wrong_studies(self, client, body, place):
         for headers in ({}, {"Prefer": "respond-async"}):
             reply = client.post(PATH, json=body, headers=headers)
-            assert problem(reply, 422)["errors"][0]["place"] == place
+            assert place in {error["place"] for error in problem(reply, 422)["errors"]}
 
     @pytest.mark.parametrize("is_ended", [False, True])
     def test_what_takes_longer_than_a_request_goes_on_as_a_job(
@@ -358,54 +333,3 @@ class TestConvert:
         monkeypatch.setattr("tomlkit.items.Array.append", None)
         monkeypatch.setattr("tomlkit.items.Array.insert", None)
         assert tomllib.loads(to_toml(content)) == content
-
-
-class TestDrives:
-    """Measured drives over HTTP: a recording as text, and never a file of the server."""
-
-    def study(self, **drive):
-        about = {"drive": {"along": "ax", "normal": "az", **drive}}
-        return {"kind": "simulate", "scene": "rectangle-on-plane", **about,
-                "parameters": {"friction": 0.3}}  # fmt: skip
-
-    def refused(self, client, **drive):
-        return problem(client.post(PATH, json=self.study(**drive)), 422)["errors"]
-
-    def test_a_recording_is_sent_as_text(self, client):
-        reply = client.post(PATH, json=self.study(data=TEXT))
-        assert reply.status_code == 200, reply.text
-        expected = vibrafeed.simulate(self.study(data=TEXT))
-        document = reply.json()
-        speed = document["variables"]["conveying_velocity"]["data"]
-        assert speed == float(expected.conveying_velocity)
-        assert document["attributes"]["drive"] == expected.attrs["drive"]
-        assert TEXT[:200] not in reply.text
-        numbers = vibrafeed.study(self.study(data=TEXT)).content()
-        document = client.post(PATH, json=numbers).json()
-        assert document["attributes"]["drive"].startswith("fitted to data (SHA-256 ")
-
-    def test_a_reply_asks_about_unusual_numbers_and_refuses_contradictions(self, client):
-        slow = self.study(data=TEXT.replace("time [s]", "number"), rate=2)
-        warnings = client.post(PATH, json=slow).json()["attributes"]["warnings"]
-        usual = "frequency = 0.05 Hz, fitted to data, is unusual; usual values are"
-        assert warnings.startswith(usual)
-        signal = signal_of(DRIVE)
-        hung = csv_of(signal._replace(accelerations=signal.accelerations - [[0.0], [9.81]]))
-        (told,) = self.refused(client, data=hung)
-        assert told["place"] == "drive.normal"
-        assert "the channel points downwards" in told["message"]
-
-    def test_no_file_of_the_server_is_read_nor_what_is_too_long(self, client, tmp_path):
-        path = tmp_path / "recording.csv"
-        path.write_text(TEXT)
-        (told,) = self.refused(client, file=str(path))
-        assert [told] == self.refused(client, file=str(tmp_path / "absent.csv"))  # nor looked for
-        assert told == {
-            "place": "drive.file",
-            "message": "the service cannot read the recording from your computer",
-            "fix": "Give data = the text of the recording's CSV",
-        }
-        rows = "\n".join(["0,0"] * (MAX_ROWS_SENT + 1))
-        (told,) = self.refused(client, data=f"ax,az\n{rows}", rate=1)
-        assert told["place"] == "drive.data"
-        assert told["message"] == "the recording has 20,001 rows, the limit over HTTP is 20,000"
