@@ -1,4 +1,4 @@
-"""Clients that mean harm, for tests/service/test_hostile.py: their cost for all others.
+"""Clients that mean harm, for tests/night/test_hostile.py: their cost for all others.
 
 `suffered` carries out an attack against a fresh server. Meanwhile a process of its own asks
 /healthz and for a small slice, again and again, each time on a new connection, and from another

@@ -81,8 +81,8 @@ async def pool(monkeypatch):
 
 async def test_results_and_errors_come_back_as_they_were(pool):
     """From another process, which is used again."""
-    first = await pool(os.getpid)
-    assert first != os.getpid()
+    process = psutil.Process(await pool(os.getpid))
+    assert process.pid != os.getpid()
     # Of one thread; what is freed goes back to the machine.
     assert await pool(environment) == ENVIRONMENT
     for result in (bytes(range(256)) * 4_000, b"", bytearray(b"error"), None, {"a": [1.5]}):
@@ -101,9 +101,9 @@ async def test_results_and_errors_come_back_as_they_were(pool):
         assert getattr(raised.value, "problems", None) == getattr(error, "problems", None)
     with pytest.raises(RuntimeError, match="lambda"):
         await pool(local_lambda)  # it cannot be sent
-    assert await pool(os.getpid) == first
+    assert await pool(os.getpid) == process.pid
     pool.close()
-    wait_for_end([psutil.Process(first)] if psutil.pid_exists(first) else [])
+    wait_for_end([process])
 
 
 @pytest.mark.parametrize("arguments", [(), (True,)])

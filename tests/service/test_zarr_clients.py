@@ -18,34 +18,13 @@ from obstore.store import HTTPStore
 from zarr.storage import ObjectStore
 
 from night import count
+from posted_sweeps import TRILLION, with_axes
 from services import QUICK, Server, refusal
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
 from waiting import PATIENCE, wait_for
 
-ENDS = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}
-FIXED = {"friction": 0.3, "radius": "0.8 m", "distance": "0.2 mm"}
-
-
-def study(outputs: list[str], **axes: object) -> dict[str, Any]:
-    return {
-        "kind": "sweep",
-        "scene": "rectangle-on-track",
-        "outputs": outputs,
-        "parameters": {**FIXED, **axes},
-    }
-
-
-def sized(outputs: list[str], **sizes: int) -> dict[str, Any]:
-    axes = {n: {"start": ENDS[n][0], "stop": ENDS[n][1], "num": size} for n, size in sizes.items()}
-    return study(outputs, **axes)
-
-
-TRILLION = sized(
-    ["acceleration_x", "transport_velocity", "throw_number"],
-    frequency=1000, amplitude=1000, alpha=1000, beta=1000,
-)  # fmt: skip
-LONG = sized(["transport_velocity"], frequency=10**6, amplitude=10**6)
+LONG = with_axes(frequency=10**6, amplitude=10**6)
 LONG["parameters"] |= {"alpha": 10, "beta": 30}
 
 
@@ -104,9 +83,11 @@ def test_xarray_opens_a_trillion_cells_at_once_and_slices_them(server, tmp_path)
     assert report["scalars"] == {"friction": 0.3, "radius": 0.8, "gravity": 9.80665}
     assert report["filled"] == []
     with np.load(path) as piece:
-        axes = {name: piece[name].tolist() for name in ENDS}
+        axes = {name: piece[name].tolist() for name in TRILLION["parameters"] if name in piece}
         # The witness: the same points as a small sweep of listed values.
-        expected = tabulate(prepare_content(study(TRILLION["outputs"], **axes))).to_xarray()
+        expected = tabulate(
+            prepare_content({**TRILLION, "parameters": {**TRILLION["parameters"], **axes}})
+        ).to_xarray()
         for name in ("transport_velocity", "acceleration_x", "throw_number", "regime"):
             order = [name for name in ("frequency", "beta") if name in expected[name].dims]
             wanted = expected[name].squeeze(drop=True).transpose(*order).values
@@ -137,9 +118,8 @@ def curled(curl: str, *options: object) -> subprocess.CompletedProcess[str]:
 
 def test_a_download_is_resumed_after_the_server_was_killed(curl, serve, tmp_path):
     service = serve(workers=1)
-    content = sized(
-        ["acceleration_x", "transport_velocity"], frequency=25, amplitude=30, alpha=50, beta=80
-    )  # of more bytes than sockets hold
+    # Of more bytes than sockets hold.
+    content = with_axes(frequency=25, amplitude=30, alpha=50, beta=80)
     job = service.finished(service.post(content))
     result = service.get(f"/jobs/{job['jobID']}/results")["dataset"]
     whole, file, headers = tmp_path / "whole.nc", tmp_path / "x.nc", tmp_path / "headers"

@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from access import BEARER, HASH, KEY, give_key
 from local_client import client_of, local_client
-from posted_sweeps import problem
+from posted_sweeps import STUDY, problem
 from vibrafeed.app.cli import app as commands
 from vibrafeed.app.jobs.keys import new_key
 from vibrafeed.app.settings import TEST_SWITCHES, Settings
@@ -32,12 +32,6 @@ OTHER_KEY, _ = new_key()
 OPEN = ["/", "/page/page.css", "/healthz", "/readyz", "/docs", "/page/docs.js", "/openapi.json",
         "/static-offline-docs/swagger-ui.css"]  # fmt: skip
 POSTS = ["/sweeps", "/processes/simulate/execution", "/processes/optimise/execution"]
-STUDY: dict[str, Any] = {
-    "kind": "sweep",
-    "scene": "rectangle-on-plane",
-    "outputs": ["throw_number"],
-    "parameters": {"frequency": 50, "amplitude": "0.5 mm", "beta": [0, 10, 20, 30, 40, 50, 60]},
-}
 
 
 class TestKeys:
