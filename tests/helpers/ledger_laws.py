@@ -16,11 +16,12 @@ from sqlalchemy.exc import ProgrammingError
 
 from vibrafeed.app.jobs.errors import NoRoomError, QueueFullError
 from vibrafeed.app.jobs.keys import Key
-from vibrafeed.app.jobs.ledger import ACTIVE, Wanted
+from vibrafeed.app.jobs.ledger import ACTIVE, Ledger, Wanted
 from vibrafeed.app.jobs.quota import Quota
 from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.settings import Settings
+from waiting import PATIENCE
 
 LEASE = 60.0
 PROBLEM = {"status": 507, "kind": "storage", "title": "No", "detail": "Full."}
@@ -297,3 +298,19 @@ def test_a_change_that_fails_changes_nothing(ledgers):
         fail()
     assert there.job(job.id).state == "accepted"
     assert there.claim("b", LEASE).key == "k"
+
+
+def made_at_once(where):
+    """Have four servers make a ledger at the same moment; return what each counts."""
+    barrier = threading.Barrier(4)
+
+    def use(where):
+        ledger = Ledger(where)
+        barrier.wait(PATIENCE)
+        try:
+            return ledger.counts()
+        finally:
+            ledger.close()
+
+    with ThreadPoolExecutor(4) as pool:
+        return list(pool.map(use, [where] * 4))

@@ -23,7 +23,13 @@ def serve(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Se
 
 
 @pytest.fixture(scope="session")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Return the address of a service that all clients share, as they do in life."""
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """Yield a service that all clients share, as they do in life."""
     with services(tmp_path_factory) as start:
-        yield start(workers=2).address
+        yield start(workers=2)
+
+
+@pytest.fixture(scope="session")
+def server(shared: Server) -> str:
+    """Return the address of the service that all clients share."""
+    return shared.address

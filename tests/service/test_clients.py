@@ -11,7 +11,6 @@ import runpy
 import subprocess
 import sys
 import tomllib
-import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,7 @@ from access import KEY, lock
 from tools import tool
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
-from waiting import PATIENCE, SELDOM, wait_for
+from waiting import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 TOOL = ROOT / "examples" / "design_tool.py"
@@ -150,29 +149,18 @@ def test_the_curl_lines_of_the_page(server, folder):
     assert json.loads(dismissal)["status"] == "dismissed"
 
 
-def results_of(server, job):
-    """Return what a job leaves, once it has ended."""
-
-    def ended():
-        with urllib.request.urlopen(f"{server}/jobs/{job}") as reply:
-            return json.load(reply)["status"] == "successful"
-
-    wait_for(ended, every=SELDOM)
-    with urllib.request.urlopen(f"{server}/jobs/{job}/results") as reply:
-        return json.load(reply)
-
-
-def test_the_three_calls_answer_what_the_page_says(server, folder):
+def test_the_three_calls_answer_what_the_page_says(shared, folder):
     text = " ".join((ROOT / "docs/api.md").read_text().split())
     lines = "".join(documented("docs/api.md", "sh", "## Three calls"))
     replies, key = [], ""
     for line in re.split(r"^(?=curl )", lines, flags=re.MULTILINE)[1:]:
-        reply = json.loads(shell(line.replace("/ID/", f"/{key}/"), server, folder))
+        reply = json.loads(shell(line.replace("/ID/", f"/{key}/"), shared.address, folder))
         if "jobID" in reply:  # of a busy machine, which has not done it in the time waited
-            reply = results_of(server, reply["jobID"])
+            number = shared.finished(reply["jobID"])["jobID"]
+            reply = shared.get(f"/jobs/{number}/results")
         if "dataset" in reply:  # a job, on a machine that is thought to take long
-            with urllib.request.urlopen(f"{reply['dataset']['href']}?format=json") as found:
-                reply = json.load(found)
+            place = reply["dataset"]["href"].removeprefix(shared.address)
+            reply = shared.get(f"{place}?format=json")
         replies.append(reply)
         key = reply.get("id", "")
     speed, best, _, piece = replies

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import signal
-import threading
-from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from ledger_laws import *  # noqa: F403
-from ledger_laws import LEASE, post
+from ledger_laws import LEASE, made_at_once, post
 from postgres import PASSWORD
 from vibrafeed.app.jobs.errors import LostLedgerError
 from vibrafeed.app.jobs.ledger import Ledger
-from waiting import PATIENCE
 
 
 @pytest.fixture
@@ -27,19 +24,8 @@ def ledgers(postgresql):
 
 
 def test_servers_that_make_the_tables_of_one_database_at_the_same_moment(postgresql):
-    barrier = threading.Barrier(4)
-
-    def use(url):
-        ledger = Ledger(url)
-        barrier.wait(PATIENCE)
-        try:
-            return ledger.counts()
-        finally:
-            ledger.close()
-
-    with ThreadPoolExecutor(4) as pool:
-        for counts in pool.map(use, [postgresql.new_database()] * 4):
-            assert not any(counts.values())
+    for counts in made_at_once(postgresql.new_database()):
+        assert not any(counts.values())
 
 
 def test_what_is_away_for_a_while_is_told_and_loses_nothing(ledgers, postgresql):

@@ -9,9 +9,7 @@ import os
 import sqlite3
 import sys
 import tempfile
-import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NoReturn
 
@@ -26,7 +24,7 @@ from vibrafeed import core
 from vibrafeed.app import spans, traces
 from vibrafeed.app.jobs.work import Task
 from vibrafeed.app.web import warmth
-from waiting import PATIENCE, wait_for
+from waiting import wait_for
 
 
 @pytest.fixture
@@ -107,24 +105,6 @@ def test_clients_cannot_make_new_labels(client):
     # and one cause.
     assert settled > before
     assert more == 2 * (settled - before) + 2
-
-
-def test_requests_under_way_are_counted_while_they_are(client):
-    entered, go = threading.Event(), threading.Event()
-
-    def wait() -> dict[str, str]:
-        entered.set()
-        go.wait(PATIENCE)
-        return {}
-
-    client.app.add_api_route("/wait", wait)
-    with client, ThreadPoolExecutor(1) as threads:
-        asked = threads.submit(client.get, "/wait")
-        assert entered.wait(PATIENCE)
-        assert figures(client)["vibrafeed_requests_under_way",] == 2  # and this one itself
-        go.set()
-        assert asked.result().status_code == 200
-        assert figures(client)["vibrafeed_requests_under_way",] == 1
 
 
 def test_jobs_are_counted_by_their_state_in_one_look(client, monkeypatch):
