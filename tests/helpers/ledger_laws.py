@@ -238,7 +238,7 @@ def test_lists(ledgers):
         (Wanted(processes=("simulate", "sweep"), created=(None, int(at * 1000) / 1000)), 6),
         (Wanted(created=(at - 9, at + 9)), 6),
         (Wanted(created=(at + 9, None)), 0),
-        (Wanted(seconds=(0.5, 5)), 1),
+        (Wanted(seconds=(0, 5)), 1),
         (Wanted(seconds=(5, None)), 0),
     ):
         assert len(here.jobs(wanted, limit=9)) == count, wanted

@@ -37,9 +37,6 @@ class Threads(ProcessPool):
         finally:
             call.cancel()
 
-    def alive(self) -> int:
-        return self.fair_queue.slots
-
 
 def local_client(app: FastAPI, **options: Any) -> TestClient:
     """Return a client; by itself it would call the service `testserver`, which is refused."""

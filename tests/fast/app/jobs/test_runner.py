@@ -108,6 +108,12 @@ def fail(error: Exception) -> None:
     raise error
 
 
+@pytest.fixture(autouse=True)
+def soon(monkeypatch):
+    for name in ("LOOK", "POLL", "RETRY"):
+        monkeypatch.setattr(f"vibrafeed.app.jobs.runner.{name}", 0.1)
+
+
 async def test_work_is_carried_out(tmp_path):
     workers = Workers()
     job = await carried_out(tmp_path, workers)
@@ -124,13 +130,12 @@ async def test_time_runs_out_while_a_block_runs(tmp_path):
         await awaited(lambda: admission.ledger.job(job.id).state == "failed")
         done.set()
 
-    job = await carried_out(tmp_path, workers, play, max_job_seconds=0.2)
+    job = await carried_out(tmp_path, workers, play, max_job_seconds=0.2, grace_seconds=0.1)
     assert (job.problem["status"], job.problem["kind"]) == (422, "limit")
     assert "Post its study again" in job.problem["detail"]
 
 
-async def test_a_job_waits_for_workers_and_says_so(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
+async def test_a_job_waits_for_workers_and_says_so(tmp_path):
     workers = Workers()
     workers.trouble = "there are no workers"
 
@@ -198,7 +203,6 @@ async def test_a_worker_without_the_shared_files_is_told(tmp_path):
 
 
 async def test_what_comes_back_fails_no_job(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
     held = [sqlite3.OperationalError("database is locked")]
     monkeypatch.setattr(Ledger, "advance", after(held, Ledger.advance))
     full = [OSError(errno.EMFILE, "Too many open files")]

@@ -183,17 +183,18 @@ def test_small_requests_do_not_wait_for_a_large_file(client, monkeypatch):
     assert {one.result().status_code for one in asked} == {200}
 
 
+MALFORMED = sqlite3.DatabaseError("database disk image is malformed")
+MALFORMED.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
+
+
 @pytest.mark.parametrize(
-    ("code", "told", "is_ready"),
+    ("fault", "told", "is_ready"),
     [
-        (sqlite3.SQLITE_CORRUPT, "The ledger is damaged.", False),
-        (sqlite3.SQLITE_BUSY, "Another process holds the ledger", True),
+        (MALFORMED, "The ledger is damaged.", False),
+        (sqlite3.OperationalError("database is locked"), "Another process holds the ledger", True),
     ],
 )
-def test_a_ledger_that_is_damaged_or_held(tmp_path, code, told, is_ready):
-    fault = sqlite3.DatabaseError("words of SQLite")
-    fault.sqlite_errorcode = code
-
+def test_a_ledger_that_is_damaged_or_held(tmp_path, fault, told, is_ready):
     def fail(*_):
         raise fault
 
