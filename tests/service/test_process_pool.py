@@ -113,7 +113,7 @@ async def test_a_process_that_dies_is_told_and_replaced(pool, arguments):
         await pool(die, *arguments)
     second = await pool(os.getpid)
     os.kill(second, signal.SIGKILL)  # while it is idle
-    wait_for(lambda: not psutil.pid_exists(second))
+    wait_for(lambda: not pool._idle[0]._process.is_alive())
     assert len({first, second, await pool(os.getpid)}) == 3
 
 
