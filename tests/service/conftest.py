@@ -9,6 +9,8 @@ import pytest
 from services import Server, services
 from tools import tool
 
+pytest.register_assert_rewrite("ledger_laws")
+
 
 @pytest.fixture(scope="session")
 def curl() -> str:

@@ -2,6 +2,8 @@
 
 import pytest
 
+pytest.register_assert_rewrite("ledger_laws")
+
 
 @pytest.fixture
 def anyio_backend() -> str:

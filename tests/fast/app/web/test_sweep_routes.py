@@ -275,7 +275,10 @@ class TestZarr:
             problem(client.get(f"{address}/zarr/{path}"), 404)
             assert client.head(f"{address}/zarr/{path}").status_code == 404
         problem(client.get(f"{address}/zarr/{'x' * 301}"), 422)
-        for sweep in ("0" * 64, "..%2F..%2Fx"):
+        gone = client.post("/sweeps", json=with_axes(frequency=4)).json()["id"]
+        assert client.get(f"/sweeps/{gone}/zarr/zarr.json").status_code == 200
+        client.app.state.store.remove(gone)
+        for sweep in ("0" * 64, "..%2F..%2Fx", gone):
             problem(client.get(f"/sweeps/{sweep}/zarr/zarr.json"), 404)
 
 
