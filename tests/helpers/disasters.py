@@ -79,6 +79,8 @@ def read_only(folder: Path) -> Iterator[None]:
     """Have a read-only view of a disk in its place: the disk itself is in use."""
     assert mounts("--bind", folder, folder)
     assert mounts("-o", "remount,bind,ro", folder)
-    yield
     unmount = ["umount", folder]  # which a request may still be reading from
-    wait_for(lambda: subprocess.run(unmount, capture_output=True).returncode == 0, every=SELDOM)
+    try:
+        yield
+    finally:
+        wait_for(lambda: subprocess.run(unmount, capture_output=True).returncode == 0, every=SELDOM)

@@ -141,6 +141,7 @@ def test_the_curl_lines_of_the_page(server, folder):
     posting, *others = lines.strip().splitlines()
     href = json.loads(shell(posting, server, folder))["dataset"]["href"]
     number = href.split("/")[-3]
+    (folder / "motion.nc").unlink(missing_ok=True)  # curl would go on with it
     events, _, dismissal = (
         shell(line.replace("NUMBER", number), server, folder) for line in others
     )

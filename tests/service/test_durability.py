@@ -127,7 +127,7 @@ def test_a_full_and_a_read_only_disk_are_told_and_lose_nothing(settings, tmp_pat
         for study in (third, second):
             assert server.finished(server.post(study))["status"] == "successful"
         with read_only(data):
-            told = refusal(lambda: server.post(fourth), 503)
+            told = refusal(lambda: server.post(fourth), 507)
             assert told["detail"].startswith("The data directory is read-only")
             refusal(lambda: server.ask("/readyz"), 503)
             assert server.dataset(done) == kept
