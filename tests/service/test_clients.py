@@ -7,7 +7,6 @@ import base64
 import json
 import os
 import re
-import runpy
 import subprocess
 import sys
 import tomllib
@@ -69,24 +68,6 @@ def test_it_finds_simulates_and_draws(access, tmp_path):
         np.testing.assert_array_equal(others.flight_fraction > 0, others.amplitude > 3e-4)
     pixels = matplotlib.image.imread(picture)[..., :3]
     assert ((pixels == [1, 0, 0]).all(axis=-1)).sum() > 100  # the star, on the map and its legend
-
-
-def test_what_the_service_refuses_is_told(access, monkeypatch):
-    main = runpy.run_path(str(TOOL))["main"]
-
-    def told(*arguments: str) -> str:
-        """Return what Python says on the error stream as it ends with 1."""
-        monkeypatch.setattr(sys, "argv", [str(TOOL), *arguments])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        assert isinstance(ended.value.code, str)
-        return ended.value.code
-
-    wrong = told(*access, "--scene", "nowhere")
-    assert "'nowhere' is none of the scenes" in wrong
-    assert "rectangle-on-track" in wrong
-    assert "outputs: " in told(*access, "--outputs", "acceleration")
-    assert "A key is needed" in told(*access[:2])
 
 
 def documented(path: str, language: str, after: str) -> list[str]:

@@ -334,8 +334,6 @@ class TestConvert:
             "kind": "sweep", "outputs": ["acceleration_x"],
             "parameters": {"beta": [round(0.004 * n, 6) for n in range(2_000)], "friction": odd},
         }  # fmt: skip
-        nested = {"parameters": {"beta": odd}, "values": [[1.5, 2.5], [3.5]], "empty": []}
-        assert tomllib.loads(to_toml({"observations": nested})) == {"observations": nested}
         monkeypatch.setattr("tomlkit.items.Array.append", None)
         monkeypatch.setattr("tomlkit.items.Array.insert", None)
         assert tomllib.loads(to_toml(content)) == content
