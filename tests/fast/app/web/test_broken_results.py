@@ -22,7 +22,7 @@ from vibrafeed.app.jobs.manifest import JSON, NETCDF, ZARR
 from waiting import PATIENCE
 
 WAIT = {"Prefer": "respond-async, wait=300"}
-LARGE = with_axes(frequency=20, amplitude=20, alpha=20, beta=20)
+LARGE = with_axes(frequency=20, amplitude=10, alpha=10, beta=10)
 
 
 def flip(path: Path) -> None:
@@ -42,7 +42,7 @@ def gone(path: Path) -> None:
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     folder = tmp_path_factory.mktemp("data")
-    with client_of(folder, workers=1, max_wait_seconds=300, max_cells=100_000) as client:
+    with client_of(folder, workers=1, max_wait_seconds=300, max_cells=10_000) as client:
         yield client
 
 

@@ -423,10 +423,10 @@ def test_reductions_at_once_and_of_more_cells_than_may_be_stored(client, tmp_pat
     for name in want.data_vars:
         assert found["variables"][name]["data"] == want[name].values.tolist()
     assert found["coordinates"]["beta"]["reduced_range"] == [0, 45]
-    reply = client.post(PATH, json=reduced(2000), headers=WAIT)
+    reply = client.post(PATH, json=reduced(1500), headers=WAIT)
     job = client.get(reply.headers["location"]).json()
     (tmp_path / "result.nc").write_bytes(client.get(dataset_of(client, job)).content)
-    want = run_study(parse_study(reduced(2000)))
+    want = run_study(parse_study(reduced(1500)))
     with xarray.open_dataset(tmp_path / "result.nc", engine="netcdf4") as found:
         for name in want.data_vars:
             assert found[name].dims == want[name].dims

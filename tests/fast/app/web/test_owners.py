@@ -274,7 +274,7 @@ class TestOwners:
         house = House(client_of(tmp_path, disk_quota_bytes=12 * size))
         one, two = house.key("one"), house.key("two")
         keys = [house.sweep(one, number) for number in range(3)]
-        mine, *_ = [house.sweep(two, number) for number in range(10, 40)]
+        mine, *_ = [house.sweep(two, number) for number in range(10, 25)]
         assert house.admission.store.used(mine) == 0, "nothing had to make room"
         for key in keys:
             assert one("GET", f"/sweeps/{key}").status_code == 200
