@@ -91,31 +91,33 @@ def test_the_tables_that_upgrades_make_are_those_of_the_statements(tmp_path):
         book.close()
 
 
+def has_further(path):
+    """Return whether the table of a further upgrade is there."""
+    book = Database(path)
+    with book.transaction() as connection:
+        found = inspect(connection).has_table("further")
+    book.close()
+    return found
+
+
 def test_upgrades_are_carried_out_once_and_a_later_ledger_is_left_alone(tmp_path, monkeypatch):
     path = tmp_path / "jobs.sqlite3"
     later = (*UPGRADES, ("CREATE TABLE further (id {whole} NOT NULL) {strict}",))
     for upgrades in (UPGRADES, later, later):
         monkeypatch.setattr(database, "UPGRADES", upgrades)
-        book = Database(path)
-        with book.transaction() as connection:
-            assert inspect(connection).has_table("further") == (upgrades is later)
-        book.close()
+        assert has_further(path) == (upgrades is later)
     monkeypatch.setattr(database, "UPGRADES", UPGRADES)
     with pytest.raises(LaterLedgerError, match="made by a later vibrafeed"):
         Database(path).transaction().__enter__()
 
 
 def test_an_upgrade_that_fails_changes_nothing(tmp_path, monkeypatch):
-    path = tmp_path / "jobs.sqlite3"
     fault = (*UPGRADES, ("CREATE TABLE further (id INTEGER) STRICT", "nonsense"))
-    monkeypatch.setattr(database, "UPGRADES", fault)
-    with pytest.raises(sqlite3.Error):
-        Ledger(path).counts()
-    monkeypatch.setattr(database, "UPGRADES", UPGRADES)
-    book = Database(path)
-    with book.transaction() as connection:
-        assert not inspect(connection).has_table("further")
-    book.close()
+    with monkeypatch.context() as patch:
+        patch.setattr(database, "UPGRADES", fault)
+        with pytest.raises(sqlite3.Error):
+            Ledger(tmp_path / "jobs.sqlite3").counts()
+    assert not has_further(tmp_path / "jobs.sqlite3")
 
 
 SCHEME = "postgresql:" + "//"
@@ -146,31 +148,20 @@ def test_a_password_is_shown_nowhere():
     ledger.close()
 
 
-def damage(path):
-    """Write over all pages of a ledger but the first, which names its tables."""
-    size = 4096
-    with path.open("r+b") as file:
-        pages = path.stat().st_size // size
-        for page in range(1, pages):
-            file.seek(page * size)
-            file.write(bytes(range(256)) * 8)
-
-
 def test_a_damaged_file_is_found_at_the_start_and_when_it_is_read(tmp_path):
     path = tmp_path / "jobs.sqlite3"
-    Ledger(path).close()
     whole = Ledger(path)
     whole.counts()
     whole.database.check()
     assert whole.fault() is None
     whole.close()
-    damage(path)
+    content, page = path.read_bytes(), 4096
+    path.write_bytes(content[:page] + b"\x01" * (len(content) - page))  # the first names tables
     ledger = Ledger(path)
-    with pytest.raises(DamagedLedgerError):
-        ledger.counts()
+    for read in (ledger.counts, ledger.database.check):
+        with pytest.raises(DamagedLedgerError):
+            read()
     assert ledger.fault() == "The ledger is damaged: restore the backup."
-    with pytest.raises(DamagedLedgerError):
-        ledger.database.check()
     ledger.close()
 
 

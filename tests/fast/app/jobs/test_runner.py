@@ -26,6 +26,8 @@ from vibrafeed.app.settings import Settings
 from vibrafeed.core.intake import prepare_content
 from waiting import PATIENCE, awaited
 
+pytestmark = pytest.mark.anyio
+
 STUDY = {
     "kind": "simulate",
     "scene": "rectangle-on-plane",
@@ -77,40 +79,50 @@ class Workers:
 Play = Callable[[Runner, Admission, Job], Coroutine[Any, Any, None]]
 
 
-def carried_out(folder: Path, workers: Workers, play: Play | None = None, **settings: Any) -> Job:
+async def carried_out(
+    folder: Path, workers: Workers, play: Play | None = None, **settings: Any
+) -> Job:
     """Post a job, wait for its end or play along; return how it stands then."""
-
-    async def scene() -> Job:
-        limits = Settings(data_directory=folder, **settings)
-        ledger, store = Ledger(folder / "jobs.sqlite3"), Store(folder)
-        runner = Runner(ledger, store, workers, limits)
-        admission = Admission(ledger, store, limits, runner.wake)
-        await runner.start()
-        try:
-            job = admission.post(task_of(prepare_content(STUDY), "simulate", limits))
-            if play is not None:
-                await play(runner, admission, job)
-            else:
-                await awaited(lambda: ledger.job(job.id).state not in ACTIVE)
-            found = ledger.job(job.id)
-            assert found is not None
-            return found
-        finally:
-            await runner.stop()
-            ledger.close()
-
-    return asyncio.run(scene())
+    limits = Settings(data_directory=folder, **settings)
+    ledger, store = Ledger(folder / "jobs.sqlite3"), Store(folder)
+    runner = Runner(ledger, store, workers, limits)
+    admission = Admission(ledger, store, limits, runner.wake)
+    await runner.start()
+    try:
+        job = admission.post(task_of(prepare_content(STUDY), "simulate", limits))
+        if play is not None:
+            await play(runner, admission, job)
+        await awaited(lambda: ledger.job(job.id).state not in ACTIVE)
+        return ledger.job(job.id)
+    finally:
+        await runner.stop()
+        ledger.close()
 
 
-def test_work_is_carried_out(tmp_path):
+def after(left: list[Exception], then: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that fails with some errors first."""
+    return lambda *given, **named: fail(left.pop()) if left else then(*given, **named)
+
+
+def fail(error: Exception) -> None:
+    raise error
+
+
+@pytest.fixture(autouse=True)
+def soon(monkeypatch):
+    for name in ("LOOK", "POLL", "RETRY"):
+        monkeypatch.setattr(f"vibrafeed.app.jobs.runner.{name}", 0.1)
+
+
+async def test_work_is_carried_out(tmp_path):
     workers = Workers()
-    job = carried_out(tmp_path, workers)
+    job = await carried_out(tmp_path, workers)
     assert (job.state, job.done) == ("successful", job.blocks)
     assert workers.calls == ["missing_blocks", *["compute_block"] * job.blocks, "write_result"]
     assert Store(tmp_path).manifest(job.key) is not None
 
 
-def test_time_runs_out_while_a_block_runs(tmp_path):
+async def test_time_runs_out_while_a_block_runs(tmp_path):
     done = threading.Event()
     workers = Workers(compute_block=lambda *_: float(done.wait(PATIENCE)))
 
@@ -118,14 +130,12 @@ def test_time_runs_out_while_a_block_runs(tmp_path):
         await awaited(lambda: admission.ledger.job(job.id).state == "failed")
         done.set()
 
-    job = carried_out(tmp_path, workers, play, max_job_seconds=0.5)
-    assert job.state == "failed"
+    job = await carried_out(tmp_path, workers, play, max_job_seconds=0.2, grace_seconds=0.1)
     assert (job.problem["status"], job.problem["kind"]) == (422, "limit")
     assert "Post its study again" in job.problem["detail"]
 
 
-def test_a_job_waits_for_workers_and_says_so(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
+async def test_a_job_waits_for_workers_and_says_so(tmp_path):
     workers = Workers()
     workers.trouble = "there are no workers"
 
@@ -133,23 +143,26 @@ def test_a_job_waits_for_workers_and_says_so(tmp_path, monkeypatch):
         await awaited(lambda: bool(runner._active))
         assert runner.waits() == runner.fault() == "there are no workers"
         found = admission.ledger.job(job.id)
-        assert found is not None
         assert (found.state, found.started) == ("accepted", None)
         workers.trouble = None
         assert runner.fault() is None
-        await awaited(lambda: admission.ledger.job(job.id).state == "successful")
 
-    carried_out(tmp_path, workers, play, max_job_seconds=0.5)
+    job = await carried_out(tmp_path, workers, play, max_job_seconds=0.5)
+    assert job.state == "successful"
 
 
-@pytest.mark.parametrize(("grace", "cut_off"), [(0.1, ["compute_block"]), (PATIENCE, [])])
-def test_what_was_dismissed_has_a_time_to_end(tmp_path, grace, cut_off):
+@pytest.mark.parametrize(
+    ("grace", "cut_off", "is_elsewhere"),
+    [(0.1, ["compute_block"], False), (PATIENCE, [], False), (0.1, ["compute_block"], True)],
+)
+async def test_what_was_dismissed_has_a_time_to_end(tmp_path, grace, cut_off, is_elsewhere):
+    """Soon also by another server, which cannot wake this one: before the lease is renewed."""
     done = threading.Event()
     workers = Workers(compute_block=lambda *_: float(done.wait(PATIENCE)))
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: admission.ledger.job(job.id).state == "running")
-        admission.dismiss(job.id)
+        (admission.ledger if is_elsewhere else admission).dismiss(job.id)
         await awaited(lambda: bool(workers.given_up))
         if cut_off:
             await awaited(lambda: not runner._active)
@@ -157,122 +170,69 @@ def test_what_was_dismissed_has_a_time_to_end(tmp_path, grace, cut_off):
         await awaited(lambda: not runner._active)
         assert not runner._workers.fair_queue.taken
 
-    carried_out(tmp_path, workers, play, grace_seconds=grace)
+    await carried_out(tmp_path, workers, play, grace_seconds=grace, lease_seconds=600)
     assert workers.cut_off == cut_off
 
 
-def test_a_block_that_takes_its_workers_down_fails_its_job(tmp_path):
-    def dies(*_: Any) -> None:
-        raise EndedError("it died")
+@pytest.mark.parametrize(
+    ("name", "error", "status", "kind", "words", "times"),
+    [
+        ("compute_block", EndedError("it died"), 500, "workers", "crashes its workers", MAX_DEATHS),
+        ("write_result", TornBlockError("block 0 is torn"), 507, "storage", "", MAX_TORN),
+        ("compute_block", OtherVersionError("Post it again."), 409, "version", "", None),
+    ],
+)
+async def test_what_fails_again_and_again_is_told(
+    tmp_path, name, error, status, kind, words, times
+):
+    workers = Workers(**{name: lambda *_: fail(error)})
+    job = await carried_out(tmp_path, workers)
+    assert (job.problem["status"], job.problem["kind"]) == (status, kind)
+    assert words in job.problem["title"]
+    assert times in (None, workers.calls.count(name))
 
-    workers = Workers(compute_block=dies)
-    job = carried_out(tmp_path, workers)
-    assert (job.problem["status"], job.problem["title"]) == (500, "The study crashes its workers")
-    assert workers.calls == ["missing_blocks", *MAX_DEATHS * ["compute_block"]]
 
-
-def test_a_worker_without_the_shared_files_is_told(tmp_path):
+async def test_a_worker_without_the_shared_files_is_told(tmp_path):
     def blind(directory: str, *arguments: Any) -> float:
         return work.compute_block(str(tmp_path / "elsewhere"), *arguments)
 
-    job = carried_out(tmp_path, Workers(compute_block=blind))
+    job = await carried_out(tmp_path, Workers(compute_block=blind))
     assert (job.problem["status"], job.problem["kind"]) == (500, "workers")
     assert job.problem["title"] == "A worker does not see the data directory"
     assert "VIBRAFEED_DATA_DIRECTORY" in job.problem["detail"]
 
 
-def test_a_dismissal_is_noticed_soon(tmp_path):
-    """By another server, which cannot wake this one, and long before the lease is renewed."""
-    done = threading.Event()
-
-    async def play(runner: Runner, admission: Admission, job: Job) -> None:
-        await awaited(lambda: admission.ledger.job(job.id).state == "running")
-        admission.ledger.dismiss(job.id)
-        await awaited(lambda: not runner._active)
-        done.set()
-
-    workers = Workers(compute_block=lambda *_: float(done.wait(PATIENCE)))
-    carried_out(tmp_path, workers, play, lease_seconds=600, grace_seconds=0.1)
-
-
-def test_a_ledger_that_is_held_for_long_fails_no_job(tmp_path, monkeypatch):
-    advance, asked = Ledger.advance, []
-
-    def held(*arguments: Any, **options: Any) -> None:
-        asked.append(True)
-        if len(asked) == 1:
-            raise sqlite3.OperationalError("database is locked")
-        advance(*arguments, **options)
-
-    monkeypatch.setattr(Ledger, "advance", held)
-    assert carried_out(tmp_path, Workers(), lease_seconds=0.5).state == "successful"
-    assert len(asked) > 1
+async def test_what_comes_back_fails_no_job(tmp_path, monkeypatch):
+    held = [sqlite3.OperationalError("database is locked")]
+    monkeypatch.setattr(Ledger, "advance", after(held, Ledger.advance))
+    full = [OSError(errno.EMFILE, "Too many open files")]
+    torn = [TornBlockError(f"block {number} is not what was written") for number in range(9)]
+    workers = Workers(
+        compute_block=after(full, work.compute_block), write_result=after(torn, work.write_result)
+    )
+    job = await carried_out(tmp_path, workers, lease_seconds=0.5)
+    assert job.state == "successful"
+    assert [held, full, torn] == [[], [], []]
 
 
-def test_what_another_server_has_finished_is_no_failure(tmp_path):
+async def test_what_another_server_has_finished_is_no_failure(tmp_path):
     def late(*arguments: Any) -> float:
         work.write_result(*arguments)
         raise OSError(2, "the blocks are gone")
 
-    assert carried_out(tmp_path, Workers(write_result=late)).state == "successful"
+    job = await carried_out(tmp_path, Workers(write_result=late))
+    assert job.state == "successful"
 
 
-def test_a_runner_stops_though_it_is_woken_at_that_moment(tmp_path):
+async def test_a_runner_stops_though_it_is_woken_at_that_moment(tmp_path):
     """A wake that meets the stop must not swallow it: the server would never end."""
-
-    async def scene() -> None:
-        limits = Settings(data_directory=tmp_path)
-        ledger, store = Ledger(tmp_path / "jobs.sqlite3"), Store(tmp_path)
-        for fair_queue in range(6):  # of the event loop between both
-            runner = Runner(ledger, store, Workers(), limits)
-            await runner.start()
-            await asyncio.sleep(0.1)
-            runner._wake.set()
-            for _ in range(fair_queue):
-                await asyncio.sleep(0)
-            await runner.stop()
-            await asyncio.sleep(0.05)
-        ledger.close()
-
-    asyncio.run(scene())
-
-
-def test_a_disk_that_loses_blocks_is_given_up(tmp_path):
-    def torn(*arguments: Any) -> float:
-        raise TornBlockError("block 0 is not what was written")
-
-    workers = Workers(write_result=torn)
-    job = carried_out(tmp_path, workers)
-    assert (job.problem["status"], job.problem["kind"]) == (507, "storage")
-    assert workers.calls.count("write_result") == MAX_TORN
-
-
-def test_many_damaged_blocks_are_computed_again(tmp_path):
-    torn = [TornBlockError(f"block {number} is not what was written") for number in range(9)]
-
-    def mended(*arguments: Any) -> float:
-        if torn:
-            raise torn.pop()
-        return work.write_result(*arguments)
-
-    assert carried_out(tmp_path, Workers(write_result=mended)).state == "successful"
-
-
-def test_too_many_open_files_fail_no_job(tmp_path, monkeypatch):
-    monkeypatch.setattr("vibrafeed.app.jobs.runner.RETRY", 0.1)
-    open_files = [OSError(errno.EMFILE, "Too many open files")]
-
-    def full(*arguments: Any) -> float:
-        if open_files:
-            raise open_files.pop()
-        return work.compute_block(*arguments)
-
-    assert carried_out(tmp_path, Workers(compute_block=full)).state == "successful"
-
-
-def test_a_study_of_another_version_is_told(tmp_path):
-    def other(*arguments: Any) -> float:
-        raise OtherVersionError("Post it again.")
-
-    job = carried_out(tmp_path, Workers(compute_block=other))
-    assert (job.problem["status"], job.problem["kind"]) == (409, "version")
+    ledger, store = Ledger(tmp_path / "jobs.sqlite3"), Store(tmp_path)
+    for turns in range(6):  # of the event loop between both
+        runner = Runner(ledger, store, Workers(), Settings(data_directory=tmp_path))
+        await runner.start()
+        await asyncio.sleep(0.05)
+        runner._wake.set()
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        await runner.stop()
+    ledger.close()

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from fastapi.testclient import TestClient
 
-from local_client import local_client
+from local_client import client_of
 from posted_sweeps import STUDY
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
 
 
-@pytest.fixture
-def client(tmp_path: Path):
+@pytest.fixture(scope="module")
+def client(tmp_path_factory: pytest.TempPathFactory):
     """Return a client of the service whose replies to GET and HEAD have equal headers."""
-    app = create_app(Settings(data_directory=tmp_path, max_cells=10**6))
-    headers = {"X-Request-ID": "one"}
-    with local_client(app, raise_server_exceptions=False, headers=headers) as client:
+    with client_of(tmp_path_factory.mktemp("data"), max_cells=10**6, workers=2) as client:
+        client.headers["X-Request-ID"] = "one"
         yield client
 
 
@@ -28,7 +23,7 @@ def without_studies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vibrafeed.app.web.openapi._components", dict)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def address(client: TestClient) -> str:
     """Return where the study stands once it is posted."""
     return f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"

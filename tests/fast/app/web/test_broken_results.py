@@ -2,33 +2,33 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import shutil
 import sqlite3
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
 
-from local_client import ended, local_client
+from local_client import client_of, ended
 from posted_sweeps import STUDY, problem, with_axes
+from vibrafeed.app.jobs import integrity
 from vibrafeed.app.jobs.manifest import JSON, NETCDF, ZARR
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
 from waiting import PATIENCE
 
 WAIT = {"Prefer": "respond-async, wait=300"}
+LARGE = with_axes(frequency=20, amplitude=10, alpha=10, beta=10)
 
 
 def flip(path: Path) -> None:
-    with path.open("r+b") as file:
-        file.seek(path.stat().st_size // 2)
-        byte = file.read(1)[0]
-        file.seek(-1, os.SEEK_CUR)
-        file.write(bytes([byte ^ 1]))
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
 
 
 def cut(path: Path) -> None:
@@ -39,18 +39,10 @@ def gone(path: Path) -> None:
     path.unlink()
 
 
-DAMAGE = (flip, cut, gone)
-
-
 @pytest.fixture(scope="module")
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    settings = Settings(
-        data_directory=tmp_path_factory.mktemp("data"),
-        workers=1,
-        max_wait_seconds=300,
-        max_cells=100_000,
-    )
-    with local_client(create_app(settings), raise_server_exceptions=False) as client:
+    folder = tmp_path_factory.mktemp("data")
+    with client_of(folder, workers=1, max_wait_seconds=300, max_cells=10_000) as client:
         yield client
 
 
@@ -64,204 +56,158 @@ def carried_out(client: TestClient, study: dict[str, Any]) -> tuple[str, Path]:
     return address, client.app.state.store.folder(status["study"])
 
 
-def assert_mended(client: TestClient, address: str, path: str, before: bytes) -> None:
-    """Look at what is told while a result is computed again, and at the result."""
-    reply = client.get(f"{address}/results/{path}")
-    document = problem(reply, 404)
-    assert document["type"].endswith("/result-not-ready")
-    assert "computed again" in document["detail"]
-    assert reply.headers["retry-after"] == "1"
+@pytest.mark.parametrize(
+    ("damage", "name", "method", "headers"),
+    [
+        (flip, NETCDF, "GET", {}),
+        (cut, JSON, "GET", {}),
+        (gone, NETCDF, "HEAD", {}),
+        (flip, NETCDF, "GET", {"Range": "bytes=0-9"}),
+    ],
+)
+def test_a_file_of_a_job_is_computed_again(client, damage, name, method, headers):
+    address, folder = carried_out(client, STUDY)
+    path = f"{address}/results/dataset{'?format=json' if name == JSON else ''}"
+    before = client.get(path)
+    assert before.status_code == 200
+    damage(folder / name)
+    reply = client.request(method, path, headers=headers)
+    assert (reply.status_code, reply.headers["retry-after"]) == (404, "1")
+    if method == "GET":
+        assert "computed again" in problem(reply, 404, "/result-not-ready")["detail"]
     assert ended(client, address)["status"] == "successful"
-    assert client.get(f"{address}/results/{path}").content == before
+    assert client.get(path).content == before.content
 
 
-@pytest.mark.service
-class TestJob:
-    @pytest.mark.by_day(3)
-    @pytest.mark.parametrize("damage", DAMAGE)
-    @pytest.mark.parametrize("name", [NETCDF, JSON])
-    @pytest.mark.parametrize("method", ["GET", "HEAD"])
-    def test_a_file_is_computed_again(self, client, damage, name, method):
-        address, folder = carried_out(client, STUDY)
-        path = "dataset" if name == NETCDF else "dataset?format=json"
-        before = client.get(f"{address}/results/{path}")
-        assert before.status_code == 200
-        damage(folder / name)
-        if method == "HEAD":
-            assert client.head(f"{address}/results/{path}").status_code == 404
-            assert ended(client, address)["status"] == "successful"
-            assert client.get(f"{address}/results/{path}").content == before.content
-        else:
-            assert_mended(client, address, path, before.content)
-
-    def test_all_jobs_of_equal_studies_wait_for_it(self, client):
-        (one, folder), (other, _) = carried_out(client, STUDY), carried_out(client, STUDY)
-        (folder / "manifest.json").write_text("{")
-        assert client.get(f"{one}/results").status_code == 404
-        assert ended(client, other)["status"] == ended(client, one)["status"] == "successful"
-        assert client.get(f"{other}/results").status_code == 200
-
-    def test_equal_studies_posted_later_are_not_told_of_what_is_broken(self, client):
-        address, folder = carried_out(client, STUDY)
-        before = client.get(f"{address}/results/dataset").content
-        cut(folder / NETCDF)
-        later, _ = carried_out(client, STUDY)
-        assert client.get(f"{later}/results/dataset").content == before
-
-    def test_what_a_range_or_a_condition_asks_for_is_looked_at_too(self, client):
-        address, folder = carried_out(client, STUDY)
-        flip(folder / NETCDF)
-        headers = {"Range": "bytes=0-9"}
-        assert client.get(f"{address}/results/dataset", headers=headers).status_code == 404
-        assert ended(client, address)["status"] == "successful"
-        assert client.get(f"{address}/results/dataset", headers=headers).status_code == 206
-
-    def test_a_result_whose_study_is_gone_is_gone(self, client):
-        address, folder = carried_out(client, with_axes(frequency=7))
-        shutil.rmtree(folder)
-        for _ in range(2):
-            assert "removed" in problem(client.get(f"{address}/results/dataset"), 404)["detail"]
+def test_all_jobs_of_equal_studies_wait_for_it_and_later_ones_are_not_told(client):
+    (one, folder), (other, _) = carried_out(client, STUDY), carried_out(client, STUDY)
+    before = client.get(f"{one}/results/dataset").content
+    (folder / "manifest.json").write_text("{")
+    assert client.get(f"{one}/results").status_code == 404
+    assert ended(client, other)["status"] == ended(client, one)["status"] == "successful"
+    assert client.get(f"{other}/results").status_code == 200
+    cut(folder / NETCDF)
+    later, _ = carried_out(client, STUDY)
+    assert client.get(f"{later}/results/dataset").content == before
 
 
-@pytest.mark.service
-class TestGroup:
-    LARGE = with_axes(frequency=20, amplitude=20, alpha=20, beta=20)
-
-    @pytest.mark.by_day(2)
-    @pytest.mark.parametrize("damage", DAMAGE)
-    @pytest.mark.parametrize("what", ["zarr.json", "frequency/c/0", "transport_velocity/c/*/*/*/*"])
-    def test_what_a_group_has_is_computed_again(self, client, damage, what):
-        address, folder = carried_out(client, self.LARGE)
-        [file, *_] = (folder / ZARR).glob(what)
-        path = f"zarr/{file.relative_to(folder / ZARR)}"
-        before = client.get(f"{address}/results/{path}")
-        assert before.status_code == 200
-        assert before.headers["repr-digest"].startswith("sha-256=:")
-        damage(file)
-        reply = client.get(f"{address}/results/{path}")
-        document = problem(reply, 404)
-        assert document["type"].endswith("/result-not-ready")
-        assert ended(client, address)["status"] == "successful"
-        after = client.get(f"{address}/results/{path}")
-        assert after.status_code == 200
-        if what != "zarr.json":  # it holds what computing cost
-            assert after.content == before.content
-
-    def test_a_group_is_no_further_file(self, client):
-        address, _ = carried_out(client, self.LARGE)
-        problem(client.get(f"{address}/results/files/{ZARR}"), 404)
-
-    def test_the_list_of_digests_is_one_that_others_read(self, client, find_sums):
-        _, folder = carried_out(client, self.LARGE)
-        assert find_sums(folder / f"{ZARR}.sha256") == 0
+def test_a_result_whose_study_is_gone_is_gone(client):
+    address, folder = carried_out(client, with_axes(frequency=7))
+    shutil.rmtree(folder)
+    for _ in range(2):
+        assert "removed" in problem(client.get(f"{address}/results/dataset"), 404)["detail"]
 
 
-@pytest.fixture
-def find_sums() -> Callable[[Path], int]:
-    import subprocess
-
-    def check(path: Path) -> int:
-        done = subprocess.run(
-            ["sha256sum", "--check", "--quiet", path.name], cwd=path.parent, check=False
-        )
-        return done.returncode
-
-    return check
-
-
-class TestSweep:
-    @pytest.mark.parametrize("damage", DAMAGE)
-    def test_a_download_is_computed_again_at_once(self, client, damage):
-        key = client.post("/sweeps", json=STUDY).json()["id"]
-        before = client.get(f"/sweeps/{key}/netcdf")
-        file = client.app.state.store.folder(key) / NETCDF
-        damage(file)
-        head = client.head(f"/sweeps/{key}/netcdf")
-        assert head.status_code == 200
-        assert "etag" not in head.headers  # nothing is known of a file that is to be made
-        after = client.get(f"/sweeps/{key}/netcdf")
-        assert (after.status_code, after.content) == (200, before.content)
-        assert after.headers["etag"] == before.headers["etag"]
+@pytest.mark.parametrize(
+    ("damage", "what"),
+    [(flip, "zarr.json"), (cut, "frequency/c/0"), (gone, "transport_velocity/c/*/*/*/*")],
+)
+def test_what_a_group_has_is_computed_again(client, damage, what):
+    address, folder = carried_out(client, LARGE)
+    [file, *_] = (folder / ZARR).glob(what)
+    path = f"{address}/results/zarr/{file.relative_to(folder / ZARR)}"
+    before = client.get(path)
+    assert before.status_code == 200
+    assert before.headers["repr-digest"].startswith("sha-256=:")
+    damage(file)
+    problem(client.get(path), 404, "/result-not-ready")
+    assert ended(client, address)["status"] == "successful"
+    after = client.get(path)
+    assert after.status_code == 200
+    if what != "zarr.json":  # it holds what computing cost
+        assert after.content == before.content
 
 
-class TestSound:
-    def test_a_file_is_read_once_and_after_each_change(self, client, monkeypatch):
-        key = client.post("/sweeps", json=STUDY).json()["id"]
-        client.get(f"/sweeps/{key}/netcdf")  # it may be written for this request
-        whole = client.get(f"/sweeps/{key}/netcdf")
-        read: list[object] = []
-        digest = "vibrafeed.app.jobs.integrity._digest"
-        from vibrafeed.app.jobs import integrity
+def test_the_digests_of_a_group_are_those_of_its_files(client):
+    address, folder = carried_out(client, LARGE)
+    for line in (folder / f"{ZARR}.sha256").read_text().splitlines():
+        digest, name = line.split("  ")
+        assert hashlib.sha256((folder / name).read_bytes()).hexdigest() == digest
+    problem(client.get(f"{address}/results/files/{ZARR}"), 404)
 
-        plain = integrity._digest
-        monkeypatch.setattr(digest, lambda file: read.append(file) or plain(file))
+
+@pytest.mark.parametrize("damage", [flip, cut, gone])
+def test_a_download_is_computed_again_at_once(client, damage):
+    key = client.post("/sweeps", json=STUDY).json()["id"]
+    before = client.get(f"/sweeps/{key}/netcdf")
+    damage(client.app.state.store.folder(key) / NETCDF)
+    head = client.head(f"/sweeps/{key}/netcdf")
+    assert head.status_code == 200
+    assert "etag" not in head.headers  # nothing is known of a file that is to be made
+    after = client.get(f"/sweeps/{key}/netcdf")
+    assert (after.status_code, after.content) == (200, before.content)
+    assert after.headers["etag"] == before.headers["etag"]
+
+
+def test_a_file_is_read_once_and_after_each_change(client, monkeypatch):
+    key = client.post("/sweeps", json=STUDY).json()["id"]
+    client.get(f"/sweeps/{key}/netcdf")  # it may be written for this request
+    whole = client.get(f"/sweeps/{key}/netcdf")
+    read, plain = [], integrity._digest
+    monkeypatch.setattr(integrity, "_digest", lambda file: read.append(file) or plain(file))
+    for times in (0, 1):
         for _ in range(3):
             assert client.get(f"/sweeps/{key}/netcdf").content == whole.content
-        assert read == []
+        assert len(read) == times
         os.utime(client.app.state.store.folder(key) / NETCDF)
-        for _ in range(3):
-            assert client.get(f"/sweeps/{key}/netcdf").content == whole.content
-        assert len(read) == 1
 
-    def test_small_requests_do_not_wait_for_a_large_file(self, client, monkeypatch):
-        """The large file is held while it is looked at; all else is answered meanwhile."""
-        key = client.post("/sweeps", json=STUDY).json()["id"]
-        other = client.post("/sweeps", json=with_axes(frequency=2)).json()["id"]
-        for one in (key, other):
-            assert client.get(f"/sweeps/{one}/netcdf").status_code == 200
-        store = client.app.state.store
-        looking, go_on = threading.Event(), threading.Event()
-        from vibrafeed.app.jobs import integrity
 
-        plain, held = integrity._digest, (store.folder(key) / NETCDF).stat()
-
-        def slow(file):
-            if os.path.samestat(os.fstat(file.fileno()), held):
-                looking.set()
-                assert go_on.wait(PATIENCE)
-            return plain(file)
-
-        monkeypatch.setattr("vibrafeed.app.jobs.integrity._digest", slow)
-        monkeypatch.setattr("vibrafeed.app.jobs.integrity.LARGE", held.st_size - 1)
+def test_small_requests_do_not_wait_for_a_large_file(client, monkeypatch):
+    """The large file is held while it is looked at; all else is answered meanwhile."""
+    studies = STUDY, with_axes(frequency=2)
+    large, small = [client.post("/sweeps", json=one).json()["id"] for one in studies]
+    store = client.app.state.store
+    for key in (large, small):
+        assert client.get(f"/sweeps/{key}/netcdf").status_code == 200
         os.utime(store.folder(key) / NETCDF)
-        os.utime(store.folder(other) / NETCDF)
-        replies: list[Any] = []
-        asked = [
-            threading.Thread(target=lambda: replies.append(client.get(f"/sweeps/{key}/netcdf")))
-            for _ in range(12)
-        ]
-        for thread in asked:
-            thread.start()
+    looking, go_on = threading.Event(), threading.Event()
+    plain, held = integrity._digest, (store.folder(large) / NETCDF).stat()
+
+    def slow(file):
+        if os.path.samestat(os.fstat(file.fileno()), held):
+            looking.set()
+            assert go_on.wait(PATIENCE)
+        return plain(file)
+
+    monkeypatch.setattr(integrity, "_digest", slow)
+    monkeypatch.setattr(integrity, "LARGE", held.st_size - 1)
+    with ThreadPoolExecutor(12) as threads:
+        asked = [threads.submit(client.get, f"/sweeps/{large}/netcdf") for _ in range(12)]
         try:
             assert looking.wait(PATIENCE)
-            assert client.get("/healthz").status_code == 200
-            assert client.get("/scenes").status_code == 200
-            assert client.get(f"/sweeps/{other}/netcdf").status_code == 200
-            assert replies == []
+            for path in ("/healthz", "/scenes", f"/sweeps/{small}/netcdf"):
+                assert client.get(path).status_code == 200
+            assert not any(one.done() for one in asked)
         finally:
             go_on.set()
-            for thread in asked:
-                thread.join(PATIENCE)
-        assert [reply.status_code for reply in replies] == [200] * 12
+    assert {one.result().status_code for one in asked} == {200}
 
 
-def test_a_damaged_ledger_is_503_and_not_ready(tmp_path):
-    settings = Settings(data_directory=tmp_path, workers=1)
-    app = create_app(settings)
-    with local_client(app, raise_server_exceptions=False) as client:
+MALFORMED = sqlite3.DatabaseError("database disk image is malformed")
+MALFORMED.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
+
+
+@pytest.mark.parametrize(
+    ("fault", "told", "is_ready"),
+    [
+        (MALFORMED, "The ledger is damaged.", False),
+        (sqlite3.OperationalError("database is locked"), "Another process holds the ledger", True),
+    ],
+)
+def test_a_ledger_that_is_damaged_or_held(tmp_path, fault, told, is_ready):
+    def fail(*_):
+        raise fault
+
+    with client_of(tmp_path, workers=1) as client:
         assert client.get("/readyz").status_code == 200
+        dialect = client.app.state.admission.ledger.database._engine().dialect
+        dialect.do_execute = fail
+        reply = client.get("/jobs")
+        del dialect.do_execute
+        assert told in problem(reply, 503)["detail"]
+        assert int(reply.headers.get("retry-after", 1)) >= 1
         assert client.get("/jobs").status_code == 200
-        database = app.state.admission.ledger.database
-        malformed = sqlite3.DatabaseError("database disk image is malformed")
-        malformed.sqlite_errorcode = sqlite3.SQLITE_CORRUPT
-
-        def fail(*_):
-            raise malformed
-
-        database._engine().dialect.do_execute = fail
-        assert problem(client.get("/jobs"), 503)["detail"] == "The ledger is damaged."
-        del database._engine().dialect.do_execute
-        assert client.get("/jobs").status_code == 200
-        (error,) = problem(client.get("/readyz"), 503)["errors"]
-        assert error["message"] == "The ledger is damaged: restore the backup."
+        found = client.get("/readyz")
+        assert (found.status_code == 200) == is_ready
+        assert is_ready or "restore the backup" in problem(found, 503)["errors"][0]["message"]
         assert client.get("/healthz").status_code == 200

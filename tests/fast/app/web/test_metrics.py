@@ -1,34 +1,35 @@
-"""Figures for Prometheus, and readiness."""
+"""Figures for Prometheus, readiness, traces of OpenTelemetry, and what is logged of kernels."""
 
 from __future__ import annotations
 
+import asyncio
 import errno
+import logging
 import os
 import sqlite3
+import sys
 import tempfile
-import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
 import pytest
 from fastapi.testclient import TestClient
+from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanExporter
 from prometheus_client.parser import text_string_to_metric_families
 
-from local_client import local_client
-from posted_sweeps import STUDY
+from local_client import Threads, client_of, ended
+from posted_sweeps import STUDY, problem, with_axes
 from vibrafeed import core
-from vibrafeed.app.jobs.ledger import Work
+from vibrafeed.app import spans, traces
 from vibrafeed.app.jobs.work import Task
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
-from waiting import PATIENCE, wait_for
+from vibrafeed.app.web import warmth
+from waiting import wait_for
 
 
 @pytest.fixture
 def client(tmp_path: Path) -> TestClient:
-    return local_client(create_app(Settings(data_directory=tmp_path / "data")))
+    return client_of(tmp_path / "data")
 
 
 def figures(client: TestClient) -> dict[tuple[str, ...], float]:
@@ -43,41 +44,51 @@ def figures(client: TestClient) -> dict[tuple[str, ...], float]:
     }
 
 
-def test_requests_are_counted_by_route_and_timed(client):
+def full(**_: object) -> NoReturn:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_requests_are_counted_by_route_and_timed_and_refusals_by_their_cause(client):
     for _ in range(3):
         client.get("/scenes/rectangle-on-track")
     client.get("/scenes/nowhere")
     client.post("/sweeps", content=b"x")
+    for _ in range(2):
+        client.post("/sweeps", content=b" " * 2_000_000)
     found = figures(client)
-    assert found["vibrafeed_requests_total", "GET", "/scenes/{name}", "200"] == 3
-    assert found["vibrafeed_requests_total", "GET", "/scenes/{name}", "404"] == 1
-    assert found["vibrafeed_requests_total", "POST", "/sweeps", "422"] == 1
-    assert found["vibrafeed_request_seconds_count", "GET", "/scenes/{name}"] == 4
-    assert found["vibrafeed_request_seconds_bucket", "+Inf", "GET", "/scenes/{name}"] == 4
+    for key, expected in {
+        ("requests_total", "GET", "/scenes/{name}", "200"): 3,
+        ("requests_total", "GET", "/scenes/{name}", "404"): 1,
+        ("requests_total", "POST", "/sweeps", "422"): 1,
+        ("request_seconds_count", "GET", "/scenes/{name}"): 4,
+        ("request_seconds_bucket", "+Inf", "GET", "/scenes/{name}"): 4,
+        ("refusals_total", "body"): 2,
+        ("refusals_total", "not-found"): 1,
+    }.items():
+        assert found[f"vibrafeed_{key[0]}", *key[1:]] == expected, key
     assert found["vibrafeed_request_seconds_sum", "GET", "/scenes/{name}"] > 0
 
 
-def test_refusals_are_counted_by_their_cause(client):
-    for _ in range(2):
-        client.post("/sweeps", content=b" " * 2_000_000)
-    client.get("/scenes/nowhere")
-    found = figures(client)
-    assert found["vibrafeed_refusals_total", "body"] == 2
-    assert found["vibrafeed_refusals_total", "not-found"] == 1
-
-
-def test_the_delay_of_the_event_loop_is_measured(client):
+def test_version_workers_disk_memory_and_processor_time_are_told(client):
+    key = client.post("/sweeps", json=STUDY).json()["id"]
+    settings = client.app.state.settings
     with client:
         wait_for(lambda: figures(client)["vibrafeed_loop_delay_seconds_count",] >= 2)
+        found = figures(client)
+        assert found["vibrafeed_info", core.__version__] == 1
+        assert found["vibrafeed_workers",] == 0  # a thread stands for them
+        assert found["vibrafeed_disk_used_bytes",] == client.app.state.store.bytes(key) > 0
+        assert found["vibrafeed_disk_quota_bytes",] == settings.disk_quota_bytes
+        assert found["vibrafeed_disk_free_bytes",] > 0
+        assert found["process_resident_memory_bytes",] > 10e6
+        assert found["process_cpu_seconds_total",] > 0
 
 
 def test_without_a_ledger_the_other_figures_are_there(client, monkeypatch):
-    ledger = client.app.state.admission.ledger
-
     def away(statement: object) -> NoReturn:
         raise sqlite3.DatabaseError("database disk image is malformed")
 
-    monkeypatch.setattr(ledger, "_read", away)
+    monkeypatch.setattr(client.app.state.admission.ledger, "_read", away)
     found = figures(client)
     assert found["vibrafeed_disk_quota_bytes",] > 0
     assert ("vibrafeed_oldest_waiting_seconds",) not in found
@@ -85,163 +96,126 @@ def test_without_a_ledger_the_other_figures_are_there(client, monkeypatch):
 
 def test_clients_cannot_make_new_labels(client):
     before = len(figures(client))
-    figures(client)
     settled = len(figures(client))
-    for number in range(20):
+    for number in range(5):
         client.get(f"/nowhere/{number}")
         client.request(f"WORD{number}", "/scenes")
     more = len(figures(client)) - settled
-    assert before <= settled
     # Two pairs of method and route: a counter with its time of creation, a histogram with its own;
     # and one cause.
-    one = settled - before
-    assert one > 0
-    assert more == 2 * one + 2
-
-
-def test_requests_under_way_are_counted_while_they_are(client):
-    entered, go = threading.Event(), threading.Event()
-
-    def wait() -> dict[str, str]:
-        entered.set()
-        go.wait(PATIENCE)
-        return {}
-
-    client.app.add_api_route("/wait", wait)
-    with client:
-        thread = threading.Thread(target=client.get, args=("/wait",))
-        thread.start()
-        assert entered.wait(PATIENCE)
-        assert figures(client)["vibrafeed_requests_under_way",] == 2  # and this one itself
-        go.set()
-        thread.join(PATIENCE)
-        assert figures(client)["vibrafeed_requests_under_way",] == 1
-
-
-def test_memory_and_processor_time_are_told(client):
-    found = figures(client)
-    assert found["process_resident_memory_bytes",] > 10e6
-    assert found["process_cpu_seconds_total",] > 0
-
-
-def test_parts_add_gauges_and_apps_share_nothing(client, tmp_path):
-    values = {"cold": 3.0}
-    client.app.state.metrics.gauges("vibrafeed_pots", "Pots.", "state", lambda: values)
-    assert figures(client)["vibrafeed_pots", "cold"] == 3
-    values.update(cold=4.0, warm=1.0)
-    assert figures(client)["vibrafeed_pots", "cold"] == 4
-    assert figures(client)["vibrafeed_pots", "warm"] == 1
-    other = local_client(create_app(Settings(data_directory=tmp_path)))
-    assert ("vibrafeed_pots", "cold") not in figures(other)
+    assert settled > before
+    assert more == 2 * (settled - before) + 2
 
 
 def test_jobs_are_counted_by_their_state_in_one_look(client, monkeypatch):
-    ledger = client.app.state.admission.ledger
-    looks = []
-    counts = ledger.counts
+    ledger, looks = client.app.state.admission.ledger, []
+    states = set(ledger.counts())
     monkeypatch.setattr(ledger, "_read", lambda s, read=ledger._read: looks.append(s) or read(s))
-    found = figures(client)
-    assert {key[1] for key in found if key[0] == "vibrafeed_jobs"} == set(counts())
-    looks = [statement for statement in looks if "GROUP BY" in str(statement)]
-    assert len(looks) == 2  # that of this test among them
+    assert {key[1] for key in figures(client) if key[0] == "vibrafeed_jobs"} == states
+    assert sum("GROUP BY" in str(statement) for statement in looks) == 1
 
 
 def test_the_queue_tells_what_waits_and_for_how_long(client, monkeypatch):
-    ledger = client.app.state.admission.ledger
-    assert figures(client)["vibrafeed_oldest_waiting_seconds",] == 0
-    now = time.time()
-    monkeypatch.setattr(time, "time", lambda: now - 100)
-    ledger.post(Task("first", "sweep", "", 1, 1, 1, 1, 0.0), finished_seconds=None)
-    monkeypatch.setattr(time, "time", lambda: now - 50)
-    ledger.post(Task("second", "sweep", "", 1, 1, 1, 1, 0.0), finished_seconds=None)
+    def told() -> tuple[float, ...]:
+        found = figures(client)
+        work = (found["vibrafeed_work", state] for state in ("waiting", "running"))
+        return *work, pytest.approx(found["vibrafeed_oldest_waiting_seconds",], abs=1e-3)
+
+    ledger, now = client.app.state.admission.ledger, time.time()
+    assert told() == (0, 0, 0)
+    for name, since in (("first", 100), ("second", 50)):
+        monkeypatch.setattr(time, "time", lambda since=since: now - since)
+        ledger.post(Task(name, "sweep", "", 1, 1, 1, 1, 0.0), finished_seconds=None)
     monkeypatch.setattr(time, "time", lambda: now)
-    found = figures(client)
-    assert found["vibrafeed_work", "waiting"] == 2
-    assert found["vibrafeed_oldest_waiting_seconds",] == pytest.approx(100, abs=1e-3)
+    assert told() == (2, 0, 100)
     ledger.claim("server", 10.0)
-    found = figures(client)
-    assert (found["vibrafeed_work", "waiting"], found["vibrafeed_work", "running"]) == (1, 1)
-    assert found["vibrafeed_oldest_waiting_seconds",] == pytest.approx(50, abs=1e-3)
+    assert told() == (1, 1, 50)
     # A lease that has run out is waited for by others.
     monkeypatch.setattr(time, "time", lambda: now + 11)
-    assert figures(client)["vibrafeed_work", "waiting"] == 2
+    assert told()[0] == 2
 
 
-def test_version_workers_and_disk_are_told(client):
-    key = client.post("/sweeps", json=STUDY).json()["id"]
-    settings = client.app.state.settings
-    found = figures(client)
-    assert found["vibrafeed_info", core.__version__] == 1
-    assert found["vibrafeed_workers",] >= 1  # one has read the study
-    assert found["vibrafeed_disk_used_bytes",] == client.app.state.store.bytes(key) > 0
-    assert found["vibrafeed_disk_quota_bytes",] == settings.disk_quota_bytes
-    assert found["vibrafeed_disk_free_bytes",] > 0
+def test_ready_or_why_not(client, tmp_path, monkeypatch):
+    def breaks() -> None:
+        raise RuntimeError("secret words")
 
-
-def test_blocks_and_work_are_timed(client):
-    item = Work("key", "sweep", 1, 2, 0.0, "owner")
-    metrics = client.app.state.metrics
-    metrics.began(item)
-    metrics.computed(item, 0.25)
-    metrics.computed(item, 2.0)
-    metrics.ended(item, "done", 2.25)
-    found = figures(client)
-    assert found["vibrafeed_block_seconds_count", "sweep"] == 2
-    assert found["vibrafeed_block_seconds_sum", "sweep"] == 2.25
-    assert found["vibrafeed_work_seconds_count", "done", "sweep"] == 1
-
-
-class TestReadiness:
-    @pytest.fixture
-    def client(self, client: TestClient) -> Iterator[TestClient]:
-        with client:  # what is not started is not ready
-            yield client
-
-    def test_ready(self, client, tmp_path):
-        assert client.get("/readyz").status_code == 200
-        before = {path.name for path in (tmp_path / "data").iterdir()}
-        reply = client.get("/readyz")
-        assert reply.json()["status"] == "ready"
-        assert reply.json()["checks"][:2] == ["stopping", "data_directory"]
-        assert {path.name for path in (tmp_path / "data").iterdir()} == before
-
-    def test_a_full_disk(self, client, monkeypatch):
-        def full(dir: Path) -> NoReturn:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-        monkeypatch.setattr(tempfile, "TemporaryFile", full)
-        reply = client.get("/readyz")
-        assert reply.status_code == 503
-        assert os.strerror(errno.ENOSPC) in reply.text
-
-    def test_a_data_directory_that_cannot_be_written(self, client, tmp_path):
+    state, data = client.app.state, tmp_path / "data"
+    with client:  # what is not started is not ready
+        before = {path.name for path in data.iterdir()}
+        reply = client.get("/readyz").json()
+        assert reply["status"] == "ready"
+        assert reply["checks"][:2] == ["stopping", "data_directory"]
+        assert {path.name for path in data.iterdir()} == before
+        with monkeypatch.context() as patch:
+            patch.setattr(tempfile, "TemporaryFile", full)
+            assert os.strerror(errno.ENOSPC) in str(problem(client.get("/readyz"), 503))
         (tmp_path / "file").write_text("")
-        elsewhere = client.app.state.settings.model_copy(
-            update={"data_directory": tmp_path / "file"}
-        )
-        client.app.state.settings = elsewhere
+        elsewhere = state.settings.model_copy(update={"data_directory": tmp_path / "file"})
+        state.settings, settings = elsewhere, state.settings
         reply = client.get("/readyz")
-        assert reply.status_code == 503
-        assert reply.headers["retry-after"]
-        assert reply.headers["content-type"] == "application/problem+json"
-        (error,) = reply.json()["errors"]
+        state.settings = settings
+        (error,) = problem(reply, 503)["errors"]
         assert error["place"] == "data_directory"
+        assert reply.headers["retry-after"]
         assert str(tmp_path) not in reply.text
+        # Every check is asked, and those that fail are named.
+        state.readiness += [("workers", lambda: "none has answered"), ("database", breaks)]
+        found = problem(client.get("/readyz"), 503)["errors"]
+        assert [error["place"] for error in found] == ["workers", "database"]
+        assert "none has answered" in str(found)
+        assert "secret" not in str(found)
         assert client.get("/healthz").status_code == 200
 
-    def test_every_check_is_asked_and_those_that_fail_are_named(self, client):
-        def breaks() -> None:
-            raise RuntimeError("secret words")
 
-        client.app.state.readiness += [
-            ("workers", lambda: "none has answered"),
-            ("database", breaks),
-            ("cache", lambda: None),
-        ]
-        reply = client.get("/readyz")
-        assert reply.status_code == 503
-        assert [error["place"] for error in reply.json()["errors"]] == ["workers", "database"]
-        assert "none has answered" in reply.text
-        assert "secret" not in reply.text
-        del client.app.state.readiness[-3:-1]
-        assert client.get("/readyz").status_code == 200
+def test_request_job_and_blocks_share_a_trace(tmp_path, monkeypatch):
+    sent = InMemorySpanExporter()
+    monkeypatch.setattr(spans, "OTLPSpanExporter", lambda: sent)
+    monkeypatch.setenv("OTEL_EXPORTER_OTLP_ENDPOINT", "http://127.0.0.1:9")
+    trace, parent = "0af7651916cd43dd8448eb211c80319c", "b7ad6b7169203331"
+    asked = {"traceparent": f"00-{trace}-{parent}-01", "Prefer": "respond-async"}
+    with client_of(tmp_path, workers=1) as client:
+        path = "/processes/sweep/execution?secret=word"
+        job = client.post(path, json=with_axes(alpha=2), headers=asked)
+        ended(client, job.headers["location"])
+        told = figures(client)
+    assert told["vibrafeed_block_seconds_count", "sweep"] == 1
+    assert told["vibrafeed_block_seconds_sum", "sweep"] > 0
+    assert told["vibrafeed_work_seconds_count", "done", "sweep"] == 1
+    found = sent.get_finished_spans()
+    assert {span.resource.attributes["service.name"] for span in found} == {"vibrafeed"}
+    ours = {span.name: span for span in found if span.context.trace_id == int(trace, 16)}
+    assert len(ours) == 3
+    request = ours["POST /processes/{process}/execution"]
+    assert request.parent.span_id == int(parent, 16)
+    assert ours["work sweep"].parent.span_id == request.context.span_id
+    assert ours["block"].parent.span_id == ours["work sweep"].context.span_id
+    assert "secret" not in str([span.to_json() for span in found])
+
+
+def test_traces_that_cannot_be_sent_are_told(monkeypatch):
+    wanted = {"OTEL_EXPORTER_OTLP_ENDPOINT": "somewhere"}
+    assert traces.fault({}) is None
+    assert traces.fault(wanted) is None
+    monkeypatch.setitem(sys.modules, "opentelemetry.exporter.otlp.proto.http", None)
+    assert "extra" in traces.fault(wanted)
+    assert traces.configured(wanted) is None
+
+
+@pytest.mark.parametrize(
+    ("function", "is_warm", "told"),
+    [
+        (lambda processes: "cache", True, ""),
+        (lambda processes: None, False, ""),
+        (lambda processes: full(), False, "No space left on device"),
+    ],
+)
+def test_the_log_says_why_kernels_could_not_be_compiled(
+    function, is_warm, told, monkeypatch, caplog
+):
+    monkeypatch.setattr(warmth, "ProcessPool", Threads)
+    monkeypatch.setattr(warmth, "compile_kernels", function)
+    warm = warmth.Warmth()
+    with caplog.at_level(logging.WARNING, "vibrafeed"):
+        asyncio.run(warm.compile())
+    assert warm.is_warm == is_warm
+    assert told in caplog.text

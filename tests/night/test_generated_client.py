@@ -6,16 +6,15 @@ import json
 import os
 import subprocess
 import urllib.request
-from collections.abc import Callable
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from services import services
 from tools import tool
 from waiting import PATIENCE
-
-pytestmark = pytest.mark.night  # the generator takes most of a minute
 
 ROOT = Path(__file__).parents[2]
 MOST_LINES = 12_000
@@ -176,9 +175,10 @@ def generator() -> str:
 
 
 @pytest.fixture(scope="module")
-def server(serve: Callable[..., Any]) -> str:
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Return the address of a service of its own: replies tell what is new from what is known."""
-    return serve(workers=2, max_cells=1000, max_execution_seconds=PATIENCE).address
+    with services(tmp_path_factory) as start:
+        yield start(workers=2, max_cells=1000, max_execution_seconds=PATIENCE).address
 
 
 @pytest.fixture(scope="module")
@@ -218,12 +218,9 @@ def folder(generator: str, document: dict[str, Any], tmp_path_factory) -> Path:
     return folder
 
 
-def test_a_client_is_small(folder):
+def test_a_client_is_small_and_no_route_is_left_out(folder, document):
     files = (folder / "made").rglob("*.py")
     assert sum(len(path.read_text().splitlines()) for path in files) <= MOST_LINES
-
-
-def test_no_route_is_left_out(folder, document):
     made = {path.stem for path in (folder / "made" / "api").glob("*/*.py")} - {"__init__"}
     assert made == operations(document)
 
