@@ -1,9 +1,10 @@
 """One result in every format, read back by others: the same numbers, units and study."""
 
-from __future__ import annotations
-
+import csv as reader
 import hashlib
+import io
 import json
+import sys
 import zipfile
 from dataclasses import replace
 
@@ -16,7 +17,7 @@ import scipy.io
 import xarray
 
 from results import check_same, rows, table_of_motion, written
-from vibrafeed.core.dataset import matlab, workbook
+from vibrafeed.core.dataset import frame, matlab, workbook
 from vibrafeed.core.dataset.files import Storage
 from vibrafeed.core.dataset.formats import (
     FORMATS,
@@ -24,10 +25,11 @@ from vibrafeed.core.dataset.formats import (
     suffix_of,
     write_result,
 )
-from vibrafeed.core.dataset.frame import Frame
+from vibrafeed.core.dataset.frame import Frame, csv, parquet
 from vibrafeed.core.dataset.limits import Size
 from vibrafeed.core.dataset.matlab import names_in_matlab
-from vibrafeed.core.dataset.table import Table, TableVariable
+from vibrafeed.core.dataset.read import read_netcdf
+from vibrafeed.core.dataset.table import Table, TableVariable, flags_of, percent
 from vibrafeed.core.errors import LimitError, MissingPackageError, VibrafeedError
 
 FLAGS = {"flag_values": np.array([1, 5], dtype=np.int8), "flag_meanings": "slide flight"}
@@ -66,12 +68,11 @@ def awkward() -> Table:
     )
 
 
-def test_pandas_reads_csv(places, motion):
-    found = pandas.read_csv(places[".csv"])
-    check_same(found, rows(motion, with_units=True))
-
-
-def test_pandas_reads_csv_for_excel_in_europe(motion, tmp_path):
+def test_pandas_reads_csv_also_as_excel_in_europe_writes_it(places, motion, tmp_path):
+    check_same(pandas.read_csv(places[".csv"]), rows(motion, with_units=True))
+    told = json.loads(places[".csv"].with_name("result.csv.json").read_text())
+    assert told["coords"]["beta"]["attrs"]["units"] == "degree"
+    assert told["attrs"]["study"] == motion.attributes["study"]
     place = tmp_path / "x.csv"
     write_result(motion, str(place), history="", storage=Storage(csv_style="excel"))
     assert place.read_bytes().startswith(b"\xef\xbb\xbfamplitude [m];")
@@ -86,12 +87,6 @@ def test_pandas_reads_parquet(places, motion):
     assert about.field("amplitude").metadata[b"units"] == b"m"
     assert about.metadata[b"history"] == b"2026-11-23 a test"
     assert about.metadata[b"study"].decode() == motion.attributes["study"]
-
-
-def test_polars_reads_csv_parquet_and_excel(places, motion):
-    polars = pytest.importorskip("polars")
-    check_same(polars.read_csv(places[".csv"]).to_dict(), rows(motion, with_units=True))
-    check_same(polars.read_parquet(places[".parquet"]).to_dict(), rows(motion))
 
 
 def test_pandas_and_openpyxl_read_excel(places, motion):
@@ -138,16 +133,6 @@ def test_xarray_reads_netcdf_and_zarr(places, motion, suffix, engine):
         assert found.amplitude.sel(amplitude=0.3e-3) == 0.3e-3
 
 
-def test_what_csv_cannot_hold_stands_beside_it(places, motion):
-    told = json.loads(places[".csv"].with_name("result.csv.json").read_text())
-    beta = told["coords"]["beta"]["attrs"]
-    assert beta["units"] == "degree"
-    assert beta["comment"] == "Elevation of the drive above the floor plane."
-    about = told["attrs"]
-    assert about["study"] == motion.attributes["study"]
-    assert about["study_sha256"] == motion.attributes["study_sha256"]
-
-
 @pytest.mark.parametrize("suffix", [".nc", ".zarr"])
 def test_a_result_comes_back_and_goes_out_again_as_it_was(places, motion, tmp_path, suffix):
     back = read_result(str(places[suffix]))
@@ -161,9 +146,36 @@ def test_a_result_comes_back_and_goes_out_again_as_it_was(places, motion, tmp_pa
     assert (tmp_path / "x.csv").read_bytes() == places[".csv"].read_bytes()
     with pytest.raises(LimitError, match="bytes of memory"):
         read_result(str(places[suffix]), most_bytes=100)
+    with pytest.raises(LimitError, match="15 rows"):
+        read_netcdf(places[".nc"], most_rows=10)
+    with pytest.raises(FileExistsError, match="exists already"):
+        write_result(back, str(places[".zarr"]), history="")
 
 
-def test_what_is_awkward(awkward, tmp_path):
+def test_csv_and_parquet_of_what_is_awkward(awkward, monkeypatch):
+    text = b"".join(csv(Frame.of(awkward))).decode()
+    heading, *found = reader.reader(io.StringIO(text, newline=""))
+    names = ["a [Hz]", "b", "c", "turned [m]", "short", "count", "told", "single", "regime"]
+    assert heading == names
+    single = str(float(np.float32(0.1)))
+    assert found[1] == [
+        "1.0", "2", "7.5", "3.0", "-inf", "1099511627776", '=x,"y"', single, "slide",
+    ]  # fmt: skip
+    assert found[4] == ["1e-300", "1", "7.5", "2.0", "", "-1", "#z\x01", "2.0", ""]
+    monkeypatch.setattr(frame, "PARQUET_ROWS", 4)  # two groups
+    file = pyarrow.parquet.ParquetFile(io.BytesIO(b"".join(parquet(Frame.of(awkward)))))
+    assert file.num_row_groups == 2
+    whole = file.read()
+    assert whole["turned"].to_pylist() == [0, 3, 1, 4, 2, 5]
+    assert whole["regime"].to_pylist() == ["slide"] * 2 + ["flight"] * 2 + [None] * 2
+    assert np.isnan(whole["short"].to_numpy()[0])
+    assert whole.field("a").metadata == {b"units": b"Hz"}
+    assert b"1 of 3 cells" in whole.schema.metadata[b"note"]
+    with pytest.raises(LimitError, match="6 rows, the limit is 5"):
+        Frame.of(awkward, most=5)
+
+
+def test_what_is_awkward_in_other_formats(awkward, tmp_path):
     places = written(awkward, tmp_path)
     book = openpyxl.load_workbook(places[".xlsx"])
     heads, first, *_ = book["values"].values
@@ -207,16 +219,20 @@ def test_what_is_awkward(awkward, tmp_path):
 def test_equal_results_have_equal_bytes(suffix, storage, awkward, tmp_path):
     found = []
     for name in ("one", "other"):
-        (tmp_path / name).mkdir()
-        place = str(tmp_path / name / f"x{suffix}")
-        write_result(awkward, place, history="2026-11-23 a test", storage=storage)
-        files = [path for path in (tmp_path / name).rglob("*") if path.is_file()]
-        found.append({path.relative_to(tmp_path / name): path.read_bytes() for path in files})
+        folder = tmp_path / name
+        folder.mkdir()
+        write_result(awkward, str(folder / f"x{suffix}"), history="a test", storage=storage)
+        files = [path for path in folder.rglob("*") if path.is_file()]
+        found.append({path.relative_to(folder): path.read_bytes() for path in files})
     assert found[0] == found[1]
 
 
-def test_a_workbook_has_no_date_of_its_own(places):
-    with zipfile.ZipFile(places[".xlsx"]) as book:
+def test_a_workbook_has_no_date_and_room_for_a_long_study(awkward):
+    long = replace(awkward, attributes={**awkward.attributes, "study": "0123456789" * 7000})
+    file = io.BytesIO(b"".join(workbook.xlsx(Frame.of(long))))
+    told = openpyxl.load_workbook(file)["study"].values
+    assert "".join(value for name, value in told if name == "study") == "0123456789" * 7000
+    with zipfile.ZipFile(file) as book:
         assert {entry.date_time[0] for entry in book.infolist()} == {1980}
         assert book.read("docProps/core.xml").count(b"1980-01-01T00:00:00Z") == 2
 
@@ -228,15 +244,6 @@ def test_a_workbook_that_nobody_waits_for_leaves_nothing(awkward, tmp_path, monk
     assert list(tmp_path.iterdir())
     pieces.close()
     assert not list(tmp_path.iterdir())
-
-
-def test_a_long_study_goes_on_in_the_rows_below(awkward):
-    long = replace(awkward, attributes={**awkward.attributes, "study": "0123456789" * 7000})
-    content = b"".join(workbook.xlsx(Frame.of(long)))
-    with __import__("io").BytesIO(content) as file:
-        told = [value for name, value in openpyxl.load_workbook(file)["study"].values
-                if name == "study"]  # fmt: skip
-    assert "".join(told) == "0123456789" * 7000
 
 
 def test_what_a_format_cannot_hold(awkward, tmp_path, monkeypatch):
@@ -263,14 +270,9 @@ def test_a_place_that_cannot_be_written_has_nothing(suffix, awkward, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
-def test_a_group_is_not_replaced(awkward, places):
-    with pytest.raises(FileExistsError, match="exists already"):
-        write_result(awkward, str(places[".zarr"]), history="")
-
-
 @pytest.mark.parametrize(("suffix", "package"), [(".xlsx", "xlsxwriter"), (".parquet", "pyarrow")])
 def test_what_is_not_installed_is_named(suffix, package, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, package, None)
+    monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(MissingPackageError, match=r"is not installed: .*pip install .* -e '?\."):
         FORMATS[suffix].needs()
 
@@ -319,3 +321,22 @@ def test_names_that_matlab_allows():
 )
 def test_suffixes(where, suffix):
     assert suffix_of(where) == suffix
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (0.0004, "< 0.1 %"), (0.0123, "1.2 %"), (0.476, "48 %"), (0.998, "99.8 %"),
+        (0.99999, "99.9 %"), (1.0, "100 %"),
+    ],
+)  # fmt: skip
+def test_small_shares_have_a_digit_more(share, text):
+    assert percent(share).replace("\N{NO-BREAK SPACE}", " ") == text
+
+
+def test_each_value_of_a_flag_has_its_word():
+    values = np.array([0, 2, 5], dtype=np.int8)
+    attributes = {"flag_values": values, "flag_meanings": "none some all"}
+    assert flags_of(attributes) == {0: "none", 2: "some", 5: "all"}
+    assert flags_of({"flag_values": np.int8(3), "flag_meanings": "alone"}) == {3: "alone"}
+    assert flags_of({"units": "m"}) == {}
