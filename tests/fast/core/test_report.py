@@ -1,7 +1,5 @@
 """Error against run time: what the curves of a study say, and studies without a witness."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray
@@ -85,15 +83,12 @@ def test_a_report_is_a_block_a_table_and_a_page(tmp_path) -> None:
     assert page.count("| transport_velocity |") == np.isfinite(found.error[0]).sum()
 
 
-def test_a_stop_leaves_settings_out() -> None:
-    found = measure(prepare_content(TRACK), Watch(stop=lambda: True))
-    assert np.isnan(found.error).all()
-    found = measure(prepare_content(MOTION), Watch(stop=lambda: True))
+def test_a_stop_leaves_settings_out_and_parts_at_rest_have_no_curve() -> None:
+    stopped = Watch(stop=lambda: True)
+    assert np.isnan(measure(prepare_content(TRACK), stopped).error).all()
+    found = measure(prepare_content(MOTION), stopped)
     assert found.curves == ()
     assert "nothing is measured" in found.notes["witness"]
-
-
-def test_parts_at_rest_have_no_curve() -> None:
     still = {**MOTION, "parameters": {**MOTION["parameters"], "amplitude": [0.0, 1e-7]}}
     assert measure(prepare_content(still)).curves == ()
 
