@@ -1,7 +1,5 @@
 """What the page on drives shows is run: its studies, its speeds, its messages."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from pathlib import Path
@@ -72,6 +70,9 @@ def test_what_the_page_says_of_the_ellipse() -> None:
 def test_a_wave_that_one_level_closes_is_the_one_that_gives_it() -> None:
     whole = run(STEPPED, acceleration_along_2="-19.62 m/s^2")
     assert float(whole[SPEED]) == pytest.approx(float(run(STEPPED)[SPEED]), rel=1e-14)
+    found = run({**FRICTION, "acceleration_along_1": 4, "acceleration_along_2": [-4, -3]})
+    statuses = [MOTION_STATUSES[name].value for name in ("periodic", "no_drive")]
+    assert found.motion_status.values.tolist() == statuses
 
 
 @pytest.mark.parametrize(
@@ -95,13 +96,6 @@ def test_messages_are_those_of_the_page(given: dict[str, Any], message: str) -> 
         prepare_content({**HEAD, **sweep, "parameters": {**FRICTION, **given}})
     assert message in " ".join(problem.message for problem in refused.value.problems)
     assert message in TEXT
-
-
-def test_cells_that_do_not_close_have_a_status() -> None:
-    found = run({**FRICTION, "acceleration_along_1": 4, "acceleration_along_2": [-4, -3]})
-    statuses = [MOTION_STATUSES[name].value for name in ("periodic", "no_drive")]
-    assert found.motion_status.values.tolist() == statuses
-    assert np.isnan(found[SPEED].values).tolist() == [False, True]
 
 
 def test_along_once_and_normal_twice_has_no_speed_of_its_own_if_it_hops() -> None:

@@ -1,7 +1,5 @@
 """The page of kinds says what their records say today, and its examples are carried out."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

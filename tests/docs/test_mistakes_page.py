@@ -1,7 +1,5 @@
 """The page of mistakes says what is said today, and each mistake gets one message."""
 
-from __future__ import annotations
-
 from benchmarks.mistakes_page import GROUPS, PAGE, page
 
 

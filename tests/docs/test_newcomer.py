@@ -1,7 +1,5 @@
 """What the pages for newcomers say is done, here; `scripts/newcomer` does it from nothing."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import shlex

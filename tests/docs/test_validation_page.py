@@ -1,7 +1,5 @@
 """The page of known answers is up to date, and the engines' driver finds what is known."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -48,12 +46,3 @@ def test_errors_of_an_engine_shrink_with_its_step():
     )
     assert coarse < 0.04  # a step is 1 % of a period
     assert fine < coarse / 10
-
-
-def test_a_drive_along_a_level_track_moves_nothing():
-    """But for the moments at which slip turns, which are late by up to a step."""
-    case, _ = asked_cases()["Z-turn-1"]
-    inputs = case.study["parameters"]
-    speed = 2 * np.pi * inputs["frequency"] * inputs["amplitude"]
-    found = follow("pymunk", jobs(case)[-1])["mean"]
-    assert abs(found) < 2 * np.pi / STEPS[-1] * speed

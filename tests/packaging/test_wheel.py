@@ -1,7 +1,5 @@
 """The wheel holds the files of the repository byte for byte, under one name, beside any other."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Pinned packages have wheels on Windows x64, macOS arm64 and Linux x86_64, on every Python."""
 
-from __future__ import annotations
-
 import re
 import runpy
 import sys
