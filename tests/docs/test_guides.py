@@ -98,6 +98,11 @@ assert found.gait.values.tolist() == [0, 1, 2] and found.gait.dtype == "int8"
 assert found.gait.attrs["flag_meanings"] == "rests slides hops unknown"
 assert [*FLAGS["gait"]] == found.gait.attrs["flag_meanings"].split()
 assert '"gait"' in json.dumps(study_schema())
+with open("gait.toml", "w") as file:
+    file.write("kind = 'simulate'\\nscene = 'rectangle-on-plane'\\noutputs = ['gait']\\n"
+               "[parameters]\\nfrequency = 50\\nbeta = 20\\nfriction = 0.4\\n"
+               "amplitude = ['1 um', '0.2 mm', '0.6 mm']")
+assert "gait: rests 33" in said("run", "gait.toml")
 derived = vibrafeed.simulate(
     **asked, sensitivities=["friction"], outputs=["gait", "conveying_velocity"])
 assert [name for name in derived if name.endswith("_by_friction")] == [

@@ -113,14 +113,11 @@ def test_what_differs_from_the_page_is_told(tmp_path, said, drawn, message):
     assert message in str(told.value)
 
 
-def test_a_traceback_is_a_failure_though_the_command_succeeds(tmp_path):
+def test_a_traceback_is_a_failure_and_a_picture_that_was_promised_is_missed(tmp_path):
     page = tmp_path / "page.md"
     page.write_text("```sh\nrun\n```\n")
     with pytest.raises(Differs, match="Traceback"):
         play(page, tmp_path, lambda *_: "Traceback (most recent call last):\n", code)
-
-
-def test_a_picture_that_was_promised_is_missed(tmp_path):
     with pytest.raises(Differs, match="promised"):
         look(tmp_path / "shown.png", tmp_path / "drawn.png", write=False)
 

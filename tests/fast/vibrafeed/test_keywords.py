@@ -15,11 +15,6 @@ POINT = {"frequency": "50 Hz", "amplitude": "0.25 mm", "beta": 30, "friction": 0
 EVERY = ("kind", "scene", "parameters", "units", "title", "notes")  # `help(vibrafeed)` names them
 
 
-def test_types_of_parameters_are_those_of_today():
-    """`python -m benchmarks.keywords` writes them again."""
-    assert keywords.FILE.read_text(encoding="utf-8") == keywords.module()
-
-
 def test_every_parameter_is_a_keyword_of_its_scene():
     from vibrafeed import parameters
 

@@ -13,8 +13,6 @@ ROOT = Path(__file__).parents[2]
 WHEELS = runpy.run_path(str(ROOT / "scripts" / "wheels.py"))
 PINS = (ROOT / "constraints.txt").read_text(encoding="utf-8")
 
-pytestmark = [pytest.mark.night, pytest.mark.service]
-
 
 @pytest.fixture(autouse=True)
 def _uv():
