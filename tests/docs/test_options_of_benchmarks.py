@@ -1,13 +1,11 @@
-"""What all benchmarks share: their command lines, and how they time calls."""
+"""What all benchmarks share: their command lines."""
 
 import sys
-from itertools import count
 from pathlib import Path
 
 import pytest
 
 from benchmarks.options import options
-from benchmarks.timing import in_turns, least
 
 
 def read(monkeypatch, line, *names, **known):
@@ -30,15 +28,3 @@ def test_words_without_an_option_are_known_names(monkeypatch):
     assert read(monkeypatch, "", "events", studies=10) == {"names": [], "studies": 10}
     with pytest.raises(SystemExit):
         read(monkeypatch, "event", "events")
-
-
-def test_functions_take_turns_and_each_call_has_its_seconds():
-    calls, ticks = [], count()
-
-    def clock():
-        return next(ticks) ** 2
-
-    times = in_turns(2, lambda: calls.append("a"), lambda: calls.append("b"), clock=clock)
-    assert calls == ["a", "b", "a", "b"]
-    assert times == [[1, 9], [5, 13]]
-    assert least(3, lambda: None, clock) == 9**2 - 8**2
