@@ -1,7 +1,5 @@
 """What tests read from a picture."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray

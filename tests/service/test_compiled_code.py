@@ -1,7 +1,5 @@
 """Compiled kernels follow the content of their files: each case runs in processes of its own."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

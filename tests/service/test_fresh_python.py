@@ -1,7 +1,5 @@
 """What a fresh Python loads, and how processes end: each case is a process of its own."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import pickle

@@ -3,8 +3,6 @@
 Each `type: ignore` stands where a user is wrong; mypy tells of one that is not needed.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

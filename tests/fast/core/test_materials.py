@@ -1,7 +1,5 @@
 """The table of coefficients: rows with sources, found by words, the same wherever it is shown."""
 
-import doctest
-
 import pytest
 from fastapi.testclient import TestClient
 from typer.testing import CliRunner
@@ -61,12 +59,6 @@ def test_ranges_are_written_as_people_do() -> None:
     assert shown({"static": None}, "static") == ""
 
 
-def test_who_asks_gets_a_table_of_their_own() -> None:
-    friction()["pairs"].clear()
-    friction()["sources"]["lust"]["title"] = ""
-    assert friction() == ALL
-
-
 def test_the_page_is_up_to_date() -> None:
     assert PAGE.read_text(encoding="utf-8") == page()
 
@@ -118,9 +110,3 @@ def test_glass_fibre_scatters_by_three_as_is_said() -> None:
     assert 3 < max(most for _, most in ranges) / min(least for least, _ in ranges) < 4
     for name in ("linear-drive-unit", "bowl-drive-unit"):
         assert "elastic_modulus" not in SCENES[name].defaults, "no default where they scatter"
-
-
-def test_its_examples_do_what_they_say() -> None:
-    done = doctest.testmod(vibrafeed.core.materials, extraglobs={"vibrafeed": vibrafeed})
-    assert done.attempted
-    assert not done.failed

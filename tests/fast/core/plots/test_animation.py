@@ -70,20 +70,16 @@ def test_a_tumbling_part_turns_at_its_size_until_it_rests():
     assert list(dict.fromkeys(film.modes)) == ["flight", "corner", "side"]
 
 
-def test_the_part_has_the_colour_of_what_it_does(hop):
-    film = read_film(hop, UNITS, slow=10)
-    style = Style()
-    for mode, frame, _ in zip(film.modes, draw_frames(film, style, 60), range(5), strict=False):
-        wanted = mix(COLOURS[mode], style.ground, 0.25) if mode in COLOURS else (1.0, 1.0, 1.0)
-        near = np.abs(frame / 255 - np.array(wanted)).max(axis=-1) < 0.01
-        assert near[60:170].sum() > 500, mode
-
-
 def test_a_gif_runs_for_ever_as_slow_as_asked(hop, row, tmp_path):
     target = tmp_path / "part.gif"
     vibrafeed.animate(hop, target, slow=10, dark=True, small=True)
+    film = read_film(hop, UNITS, 10)
+    style = Style(dark=True, small=True)
+    frame = next(draw_frames(film, style, 60)) / 255
+    wanted = mix(COLOURS[film.modes[0]], style.ground, 0.25)  # the colour of what it does
+    assert (np.abs(frame - np.array(wanted)).max(axis=-1) < 0.01).sum() > 500
     with Image.open(target) as picture:
-        assert picture.n_frames == read_film(hop, UNITS, 10).times.size
+        assert picture.n_frames == film.times.size
         assert picture.info["duration"] == 1000 // FRAMES_PER_SECOND
         assert picture.info["loop"] == 0
     assert target.stat().st_size < 400_000

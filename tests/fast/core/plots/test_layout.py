@@ -63,15 +63,6 @@ def test_a_long_title_takes_two_lines(plane):
     judge(figure)
 
 
-@pytest.mark.parametrize("study", ["tumbling-course", "trajectory"])
-def test_one_part(study):
-    judge(vibrafeed.plot(vibrafeed.simulate(CONFIGS / f"{study}.toml", trajectory=200)))
-
-
-def test_an_impact():
-    judge(vibrafeed.plot(vibrafeed.sweep(CONFIGS / "impact-rectangles.toml"), kind="bodies"))
-
-
 def test_optima():
     chosen = {"scene": "rectangle-on-plane", "frequency": "60 Hz", "friction": [0.3, 0.5]}
     best = vibrafeed.optimise(

