@@ -62,7 +62,8 @@ def test_a_file_that_is_held_is_replaced_once_it_is_let_go(monkeypatch, tmp_path
 
 
 class Terminal(io.TextIOWrapper):
-    isatty = True.__bool__
+    def isatty(self) -> bool:
+        return True
 
 
 @pytest.mark.parametrize(
