@@ -9,7 +9,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pytest
-import yaml
 from typer.testing import CliRunner
 
 import vibrafeed
@@ -61,17 +60,6 @@ def test_options_of_a_command_exist(command: str) -> None:
 @pytest.mark.parametrize("script", blocks(SCALE, "sh"))
 def test_scripts_are_shell(script: str) -> None:
     subprocess.run([tool("bash"), "-n"], input=script, text=True, check=True)
-
-
-def test_the_file_for_kubernetes_is_a_cluster_of_dask() -> None:
-    cluster = yaml.safe_load(*blocks(SCALE, "yaml"))
-    assert (cluster["apiVersion"], cluster["kind"]) == ("kubernetes.dask.org/v1", "DaskCluster")
-    spec, name = cluster["spec"], cluster["metadata"]["name"]
-    for role in ("worker", "scheduler"):
-        (container,) = spec[role]["spec"]["containers"]
-        assert container["command"][:2] == ["dask", role]
-    (port,) = spec["scheduler"]["service"]["ports"]
-    assert f"//{name}-scheduler:{port['port']}" in SCALE
 
 
 def test_what_the_page_on_reductions_shows_gives_what_it_says() -> None:

@@ -2,24 +2,17 @@
 
 import shutil
 
-import pytest
-
 from vibrafeed.core import code_version
-
-
-@pytest.fixture
-def sources(tmp_path, monkeypatch):
-    copied = tmp_path / "core"
-    shutil.copytree(code_version.CORE, copied, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(code_version, "CORE", copied)
-    return copied
 
 
 def digest():
     return code_version.digest.__wrapped__(code_version.WITHOUT_NUMBERS)[:8]
 
 
-def test_it_follows_from_what_computes_alone(sources):
+def test_it_follows_from_what_computes_alone(tmp_path, monkeypatch):
+    sources = tmp_path / "core"
+    shutil.copytree(code_version.CORE, sources, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(code_version, "CORE", sources)
     before = digest()
     assert code_version.code_version() == f"{code_version.core.__version__}+{before}"
     assert len(before) == 8

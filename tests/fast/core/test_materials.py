@@ -10,7 +10,7 @@ from benchmarks.friction_page import PAGE, page
 from vibrafeed.app.cli import app
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from vibrafeed.core.materials import friction, leaf_springs, shown
+from vibrafeed.core.materials import friction, leaf_springs
 from vibrafeed.core.scenes import SCENES
 
 ALL = friction()
@@ -51,12 +51,6 @@ def test_rows_are_found_by_the_beginnings_of_their_words() -> None:
     assert found["about"] == ALL["about"]  # how far to trust them is told with any row
     for pair in ("brass steel", "ptfe", "polyurethane", "rubber", "glass", "lubricated steel"):
         assert friction(pair)["pairs"], "what a designer looks for"
-
-
-def test_ranges_are_written_as_people_do() -> None:
-    assert shown({"static": [0.1, 0.3]}, "static") == "0.1 to 0.3"
-    assert shown({"static": [0.2, 0.2]}, "static") == "0.2"
-    assert shown({"static": None}, "static") == ""
 
 
 def test_the_page_is_up_to_date() -> None:

@@ -87,12 +87,3 @@ def test_a_sweep_of_any_size_is_opened():
     last = dict.fromkeys(huge, 40)
     same = vibrafeed.sweep(ACCELERATION, **last, gamma=0).acceleration_x
     assert lazy.acceleration_x[dict.fromkeys(lazy.acceleration_x.dims, -1)].values == same
-
-
-def test_the_catalogue_tells_all_scenes_or_one():
-    names = [scene["name"] for scene in vibrafeed.scenes()]
-    assert "rectangle-on-track" in names
-    assert vibrafeed.scenes("rectangle-on-track")["validity"]
-    assert vibrafeed.scenes("rectangle-on-plane", method="events")["method"] == "events"
-    with pytest.raises(vibrafeed.StudyError, match="Did you mean 'rectangle-on-track'"):
-        vibrafeed.scenes("rectangle-on-trak")

@@ -1,7 +1,5 @@
 """What is wrong with a reduction is told at its place, all at once, and what would be right."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest
@@ -134,18 +132,6 @@ def test_each_mistake_is_told_where_it_is(asked: dict[str, Any], told: str) -> N
     assert told in found[0]
 
 
-def test_all_mistakes_are_told_at_once() -> None:
-    content = {
-        **STUDY,
-        "outputs": ["throw_number", "acceleration_q"],
-        "reduce": {"over": ["gamma"], **MAX, "of": ["speed"]},
-    }
-    with pytest.raises(StudyError) as refused:
-        prepare_content(content)
-    places = {problem.place for problem in refused.value.problems}
-    assert places == {"outputs", "parameters.friction", "reduce.over.0", "reduce.of.0"}
-
-
 def test_equal_reductions_have_one_key() -> None:
     asked = {
         "over": ["friction", "beta", "beta"],
@@ -186,12 +172,13 @@ def test_what_is_stopped_is_no_answer_and_what_is_reduced_has_no_cells() -> None
 
 
 @pytest.mark.parametrize("own", [{"sensitivities": True}, {"trajectory": 10}])
-def test_what_a_simulation_cannot_tell_of_a_reduction(own: dict[str, Any]) -> None:
-    study = {**STUDY, "kind": "simulate", "outputs": ["conveying_velocity", "motion_status"]}
+def test_what_a_simulation_cannot_tell_of_a_reduction_and_all_at_once(own: dict[str, Any]) -> None:
+    outputs = ["conveying_velocity", "motion_status", "acceleration_q"]
+    study = {**STUDY, "kind": "simulate", "outputs": outputs, **own}
     with pytest.raises(StudyError) as refused:
-        prepare_content({**study, **own, "reduce": {"over": ["beta"], "of": ["motion_status"]}})
+        prepare_content({**study, "reduce": {"over": ["beta", "gamma"], "of": ["motion_status"]}})
     places = {problem.place for problem in refused.value.problems}
-    assert {*own, "reduce.of.0"} <= places
+    assert {"outputs", *own, "reduce.over.1", "reduce.of.0"} <= places
 
 
 def test_cells_that_do_not_count() -> None:
