@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.engine_drivers import follow
-from benchmarks.validation_engines import ASKED, PICTURE, RESULTS, STEPS, answer, asked_cases, jobs
+from benchmarks.validation_engines import ASKED, PICTURE, RESULTS, answer, asked_cases, jobs
 from benchmarks.validation_page import PAGE, page
 
 NUMBER = re.compile(r"(?<![\w.-])-?\d+\.\d+(?:e-?\d+)?")
@@ -34,15 +34,3 @@ def test_an_engine_comes_near(name):
     job = jobs(case)[2 if case.name.startswith("Z") else 1]
     found = answer(case, len(job["gravities"]), follow("pymunk", job))
     assert found == pytest.approx(truth, rel=0.04)
-
-
-def test_errors_of_an_engine_shrink_with_its_step():
-    """It is of first order: a tenth of the step is a tenth of the error, or less."""
-    case, truth = asked_cases()["V-speed-7"]
-    of_steps = dict(zip(STEPS, jobs(case), strict=True))
-    coarse, fine = (
-        abs(answer(case, steps, follow("pymunk", of_steps[steps])) / truth - 1)
-        for steps in (100, 2000)
-    )
-    assert coarse < 0.04  # a step is 1 % of a period
-    assert fine < coarse / 10

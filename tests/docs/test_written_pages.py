@@ -34,11 +34,6 @@ def test_examples_of_kinds_are_carried_out(kind, example):
     assert tabulate(prepare_content(content)).variables
 
 
-def test_there_are_thirty_mistakes_at_least_and_none_twice():
-    typed = [mistake.typed for group in mistakes_page.GROUPS.values() for mistake in group]
-    assert len(typed) == len(set(typed)) >= 30
-
-
 def test_every_package_of_the_contracts_is_drawn_once():
     layers = architecture_page.layers(architecture_page.contracts())
     rules = {room.name: room.rules for layer in layers for room in layer}

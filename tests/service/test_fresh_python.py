@@ -2,7 +2,6 @@
 
 import multiprocessing
 import os
-import pickle
 import subprocess
 import sys
 from multiprocessing.connection import Connection
@@ -11,7 +10,6 @@ from pathlib import Path
 import psutil
 import pytest
 
-import vibrafeed
 from vibrafeed.core.plan.evaluate import share_out
 from waiting import PATIENCE, wait_for
 
@@ -64,11 +62,11 @@ print(*sorted(seen))
 """
 
 
-def told(code: str, folder: Path, given: bytes = b"") -> list[str]:
+def told(code: str, folder: Path) -> list[str]:
     """Return the words that a program prints."""
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", code], cwd=folder, capture_output=True, check=False,
-        input=given, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr.decode()
     return done.stdout.decode().split()
@@ -97,13 +95,6 @@ def test_a_contour_loads_no_other_picture_and_no_study(tmp_path):
     assert not {f"vibrafeed.core.plots.{name}" for name in others} & loaded
     heavy = {"vibrafeed.core.plan", "numba", "scipy.spatial", "scipy.optimize"}
     assert not {*heavy, "matplotlib.pyplot"} & loaded
-
-
-def test_an_error_travels_to_another_process(tmp_path):
-    problem = vibrafeed.Problem("parameters.beta", "it is wrong", "Write 20")
-    code = "import pickle, sys; print(pickle.load(sys.stdin.buffer).problems[0])"
-    given = pickle.dumps(vibrafeed.StudyError([problem]))
-    assert " ".join(told(code, tmp_path, given)) == str(problem)
 
 
 def test_a_process_of_a_pool_ends_with_a_parent_that_is_killed():

@@ -30,16 +30,11 @@ def test_every_row_has_values_and_a_source() -> None:
             assert name != "restitution" or largest <= 1, row
         assert row["part"], row
         assert row["track"], row
+        if row.get("static") and row.get("kinetic") and row["kinetic"][0] > row["static"][1]:
+            assert "one value for both" in row["note"], "a study takes no such pair"
         assert ALL["sources"][row["source"]]["address"].startswith("http"), row
     declared = vibrafeed.core.materials._data("friction.toml")["sources"]
     assert set(declared) == {row["source"] for row in rows()}  # none that nobody quotes
-
-
-def test_kinetic_above_static_is_told() -> None:
-    """A study takes no such pair; a row that a source gives so says what to do."""
-    for row in ALL["pairs"]:
-        if row["static"] and row["kinetic"] and row["kinetic"][0] > row["static"][1]:
-            assert "one value for both" in row["note"], row
 
 
 def test_rows_are_found_by_the_beginnings_of_their_words() -> None:

@@ -10,8 +10,7 @@ from matplotlib.colors import to_rgb
 from layout import contrast
 from vibrafeed.core.catalogue import describe
 from vibrafeed.core.motion.systems import SYSTEMS
-from vibrafeed.core.plots.looks import LOOKS, ON_FILL, looks_of_categories
-from vibrafeed.core.plots.maps import share_entries
+from vibrafeed.core.plots.looks import LOOKS, ON_FILL
 from vibrafeed.core.plots.style import Style
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.quantities.pictures import FILLS
@@ -53,13 +52,6 @@ def test_text_is_read_on_its_background(dark):
         assert contrast(ON_FILL, fill) > 4.5
     for colour in (style.curve, style.other, *style.series, *style.series_over(7)):
         assert contrast(colour, style.ground) > (1.9 if colour in style.series_over(7) else 3)
-
-
-def test_the_legend_of_categories_has_the_shares_of_their_cells():
-    looks = looks_of_categories({1: "forwards", 2: "backwards"}, Style())
-    entries = share_entries(np.array([[1, 2], [2, 2]]), looks, [look.fill for look in looks])
-    labels = [str(entry.get_label()).replace("\N{NO-BREAK SPACE}", " ") for entry in entries]
-    assert labels == ["forwards, 25 %", "backwards, 75 %"]
 
 
 def test_the_catalogue_tells_the_colours_of_pictures_and_marked_levels():

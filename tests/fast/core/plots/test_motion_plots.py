@@ -178,15 +178,6 @@ def test_a_family_with_many_regimes_shows_them_in_strips(plane):
     assert bars == [{FILLS[NAMES[value]] for value in row.tolist()} for row in states]
 
 
-def test_many_borders_of_a_background_are_left_out(plane):
-    line = plane.isel(beta=20).sel(friction=0.3).interp(amplitude=np.linspace(2e-5, 7e-4, 60))
-    line["regime"] = line["regime"].copy(data=np.full(60, REGIMES["hopping"].value))
-    for changes, borders in ((6, 6), (40, 0)):
-        line["regime"][1 : changes + 1 : 2] = REGIMES["aperiodic"].value
-        lines = draw(line).axes[0].get_lines()
-        assert sum(len(set(part.get_xdata())) == 1 for part in lines) == borders
-
-
 def test_backward_travel_is_hatched_and_named(plane):
     motion = plane.sel(friction=0.3)
     figure = draw(motion, kind="levels")

@@ -157,5 +157,3 @@ def test_what_a_picture_leaves_out_is_said():
         friction={"start": 0.2, "stop": 0.5, "num": 9},
     )  # fmt: skip
     assert draw(fronts).legends[0].get_title().get_text() == "7 of 9 designs"
-    family = draw(result("sweep"), kind="line", axes=("amplitude", "beta"))
-    assert family.legends[0].get_title().get_text().endswith("\n7 of 8 values")
