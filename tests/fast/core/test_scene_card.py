@@ -51,6 +51,3 @@ def test_columns_are_aligned_and_say_units_bounds_and_defaults():
 def test_other_names_are_refused_as_elsewhere():
     with pytest.raises(vibrafeed.StudyError, match="Did you mean 'rectangle-on-track'"):
         vibrafeed.scene("rectangle-on-trak")
-    for wrong in ({"variant": "printed"}, {"method": "exact"}):
-        with pytest.raises(vibrafeed.StudyError):
-            vibrafeed.scene("rectangle-on-plane", **wrong)

@@ -111,11 +111,8 @@ def test_pieces_of_an_axis_are_the_axis(axis):
 
 def test_the_document_of_the_group_says_how_arrays_are_stored():
     view = view_of(prepare_content(TRACK))
-    group = json.loads(view.read("zarr.json"))
-    assert group["attributes"]["Conventions"] == "CF-1.11"
     regime = arrays_of(view)["regime"]
     assert (regime["data_type"], regime["fill_value"]) == ("int8", 0)
-    assert regime["attributes"]["flag_values"]
     for document in arrays_of(view).values():
         assert "_FillValue" not in document["attributes"]
         (codec,) = document["codecs"]

@@ -130,7 +130,6 @@ def test_words_of_flags_and_of_what_has_no_value():
     assert categories_of(side) == {
         -1: "no value", 1: "the side at pitch 0°", 4: "the side at pitch 270°",
     }  # fmt: skip
-    assert categories_of(xarray.DataArray([1.0], name="friction")) is None
     assert categories_of(xarray.DataArray(np.arange(20.0), name=MULTIPLE)) is None
 
 

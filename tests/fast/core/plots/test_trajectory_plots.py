@@ -136,10 +136,10 @@ def test_a_track_on_an_orbit_shows_it():
     assert not draw(driven(**ORBIT, phase_normal_1=180.0)).axes[0].child_axes
 
 
-@pytest.mark.parametrize(("periods", "marks"), [(2, 3), (50, 0)])
-def test_periods_of_a_long_cycle_are_marked(periods, marks):
-    axes = draw(hop(np.linspace(0, periods / FREQUENCY, 400))).axes[0]
-    assert sum(line.get_linestyle() == ":" for line in axes.get_lines()) == marks
+def test_periods_of_a_long_cycle_are_marked():
+    for periods, marks in ((2, 3), (50, 0)):
+        axes = draw(hop(np.linspace(0, periods / FREQUENCY, 400))).axes[0]
+        assert sum(line.get_linestyle() == ":" for line in axes.get_lines()) == marks
 
 
 def test_a_part_at_rest_and_one_output_over_the_cycle():
