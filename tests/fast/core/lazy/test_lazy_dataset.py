@@ -16,7 +16,7 @@ from vibrafeed.core.lazy.dataset import chunks_of, dataset, fields_of
 
 
 @pytest.mark.parametrize(
-    ("content", "cells"), [(TRACK, None), (TRACK, 700), (MOTION, None), (MOTION, 54)], ids=str
+    ("content", "cells"), [(TRACK, None), (TRACK, 700), (MOTION, None), (MOTION, 54)]
 )
 def test_it_is_the_dataset_in_memory(content, cells, monkeypatch):
     prepared = prepare_content(content)

@@ -34,15 +34,15 @@ MOTION: Content = {
         "beta": {"start": 10, "stop": 60, "num": 6}, "friction": [0.4, 0.2], "restitution": 0.1,
     },
 }  # fmt: skip
-# Regimes that depend on fewer axes than the output, and on more.
+# Regimes that depend on more axes than the output, and on fewer.
+AXES = {"frequency": [30, 60, 90], "amplitude": [5e-5, 2e-4, 8e-4], "beta": [10, 40]}
 ROLLING: Content = {
     "kind": "sweep", "scene": "sphere-on-plane", "outputs": ["required_friction"],
-    "parameters": {"frequency": [30, 60, 90], "amplitude": [5e-5, 2e-4, 8e-4], "beta": [10, 40],
-                   "friction": [0.1, 0.3, 0.6]},
+    "parameters": {**AXES, "friction": [0.1, 0.3, 0.6]},
 }  # fmt: skip
 LYING: Content = {
-    **ROLLING, "scene": "rectangle-on-plane", "outputs": ["floor_force"],
-    "parameters": {**ROLLING["parameters"], "friction": 0.3, "mass": [1, 2]},
+    "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["floor_force"],
+    "parameters": {**AXES, "mass": [1, 2]},
 }  # fmt: skip
 STUDIES = [TRACK, MOTION, ROLLING, LYING]
 ASKED: Content = {
