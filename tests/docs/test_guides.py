@@ -75,7 +75,7 @@ said("new", "study.toml", "--kind", "mean")
 assert "throw_number" in said("run", "study.toml")
 assert "throw_number" in said("run", "study.toml", "--dry-run")
 assert "vibrafeed.mean(" in said("convert", "study.toml", "--to", "python")
-assert '"const": "mean"' in said("schema")
+assert '"const": "mean"' in said("scenes", "--schema")
 assert float(vibrafeed.mean("study.toml", beta=0).throw_number) == 0
 service = create_app(Settings(data_directory="data"))
 with TestClient(service, base_url="http://127.0.0.1") as client:
