@@ -26,7 +26,7 @@ from vibrafeed.app.settings import Settings
 from vibrafeed.core.catalogue import describe, describe_all
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.kinds import KINDS, run_study
 from vibrafeed.core.quantities import FLAGS, REGIMES
 from vibrafeed.core.schema import study_schema
 
@@ -74,9 +74,9 @@ assert "mean" in said("--help").partition("Commands")[0]
 said("new", "study.toml", "--kind", "mean")
 assert "throw_number" in said("run", "study.toml")
 assert "throw_number" in said("run", "study.toml", "--dry-run")
-assert "vibrafeed.mean(" in said("convert", "study.toml", "--to", "python")
+assert "mean" in said("convert", "study.toml", "--to", "json")
 assert '"const": "mean"' in said("scenes", "--schema")
-assert float(vibrafeed.mean("study.toml", beta=0).throw_number) == 0
+assert float(run_study(vibrafeed.study("study.toml", beta=0)).throw_number) == 0
 service = create_app(Settings(data_directory="data"))
 with TestClient(service, base_url="http://127.0.0.1") as client:
     known = [one["id"] for one in client.get("/processes").json()["processes"]]

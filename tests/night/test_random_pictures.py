@@ -28,10 +28,9 @@ def test_pictures_can_be_read_and_curves_are_those_of_the_result(kind):
             drawn = [one for one in dataset.data_vars.values() if one.attrs["long_name"] == title]
             for line in figure.axes[0].lines if drawn else []:
                 y = np.asarray(line.get_ydata(), dtype=float)
-                if len(y) in drawn[0].shape:  # no mark of a level
+                if len(y) > 2 and len(y) in drawn[0].shape:  # no mark of a level
                     known = drawn[0].values.ravel()
-                    assert (
-                        np.isclose(y[:, None], known, rtol=1e-9, equal_nan=True).any(axis=1).all()
-                    )
+                    near = np.isclose(y[np.isfinite(y)][:, None], known, rtol=1e-9)
+                    assert near.any(axis=1).all()
         except Exception as error:
             raise AssertionError(f"seed {seed}: {content}") from error
