@@ -90,7 +90,7 @@ def same(found: xarray.DataArray, wanted: xarray.DataArray) -> None:
 
 
 @pytest.mark.parametrize("blocks", [1, 9])
-@pytest.mark.parametrize(("number", "over"), spread(CASES, 9))
+@pytest.mark.parametrize(("number", "over"), spread(CASES, 6))
 def test_statistics_are_those_of_the_stored_study(stored, monkeypatch, number, over, blocks):
     if blocks > 1:  # as a study of many million cells has
         monkeypatch.setattr(dataset, "block_cells", lambda prepared, *_: prepared.cells // blocks)

@@ -121,7 +121,7 @@ def test_every_kind_is_asked():
     assert OF.keys() == PICTURES.keys()
 
 
-@pytest.mark.parametrize(("kind", "option"), [*spread(CASES, 19), ALIKE])
+@pytest.mark.parametrize(("kind", "option"), [*spread(CASES, 16), ALIKE])
 def test_an_option_changes_the_picture_or_is_refused(kind: str, option: str):
     dataset = result(OF[kind])
     asked = {"at": AT[OF[kind]]} if option == "at" else OPTIONS[option]

@@ -7,12 +7,13 @@ import pytest
 from typer.testing import CliRunner
 
 import vibrafeed
+from night import spread
 from vibrafeed.app.cli import app
 from vibrafeed.core.plots.sheet import PAGE, draw_sheet
 
 STUDIES = {
-    "one design": {"amplitude": 3e-4, "beta": 20},
     "a map": {"amplitude": {"start": 1e-4, "stop": 4e-4, "num": 5}, "beta": [10, 20, 30, 40]},
+    "one design": {"amplitude": 3e-4, "beta": 20},
 }
 
 
@@ -23,7 +24,7 @@ def dataset_of(name: str):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", spread(STUDIES, 1))
 def test_the_page_says_what_the_file_holds_line_beside_line(name):
     dataset = dataset_of(name)
     page = draw_sheet(dataset)
