@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 import xarray
 
-import vibrafeed
 from large_studies import MOTION, TRACK, sweep_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
@@ -50,16 +49,6 @@ def test_blocks_are_equal_but_for_the_last_and_hold_whole_axes_first():
     for lengths in chunks_of(prepared, field, 70_000).values():
         assert len({*lengths[:-1]}) <= 1
         assert lengths[-1] <= lengths[0]
-
-
-def test_slices_of_a_huge_one():
-    lazy = open_lazily(prepare_content(sweep_of(1000)))
-    assert lazy.acceleration_x.size == 10**12
-    piece = lazy.transport_velocity.isel(amplitude=500, alpha=300)
-    piece = piece.sel(frequency=[20, 120]).isel(beta=[0, 999]).load()
-    axes = {name: piece.coords[name].values.tolist() for name in piece.coords if name in lazy.dims}
-    expected = vibrafeed.sweep(TRACK, **axes)["transport_velocity"]
-    np.testing.assert_array_equal(piece, expected)
 
 
 @pytest.mark.parametrize(

@@ -95,8 +95,6 @@ def test_further_variables_are_held_at_the_optimum():
     )
     np.testing.assert_allclose(drawn, told.acceleration_x.values, rtol=1e-12, atol=1e-12)
     plane = vibrafeed.plot(best, axes=("amplitude", "beta"), kind="landscape").axes[0]
-    assert plane.get_xlabel().startswith("Amplitude")
-    assert plane.get_ylabel().startswith("Drive elevation")
     assert f"alpha {held['alpha']:.6g}" in plane.get_title(loc="left").replace("\xa0", " ")
     with pytest.raises(vibrafeed.VibrafeedError, match="one or two of amplitude, alpha, beta"):
         vibrafeed.plot(best, kind="landscape", axes="gamma")

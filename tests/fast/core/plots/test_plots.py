@@ -66,8 +66,6 @@ def test_files_are_png_and_svg(file, tmp_path):
     assert struct.unpack(">II", png[16:24]) == (1200, 960)
     tree = ElementTree.fromstring(targets[1].read_text("utf-8"))
     assert tree.tag.endswith("svg")
-    assert len(list(tree.iter())) > 200
-    assert len(list(tmp_path.iterdir())) == 3
 
 
 @pytest.mark.parametrize("kind", ["contour", "line"])
