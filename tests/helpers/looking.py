@@ -1,7 +1,5 @@
 """What a test looks at on the page, and when it is at rest."""
 
-from __future__ import annotations
-
 import json
 import re
 import urllib.request

@@ -1,7 +1,5 @@
 """Who waits for the compiler is told, once, and nobody else is."""
 
-from __future__ import annotations
-
 import vibrafeed
 from vibrafeed.core import kinds
 from vibrafeed.core.compiling import ONCE, announced, stopwatch

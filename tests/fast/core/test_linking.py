@@ -1,7 +1,5 @@
 """Kernels that call kernels: machine code is made once an entry, and it is that of the text."""
 
-from __future__ import annotations
-
 import gc
 import math
 from concurrent.futures import ThreadPoolExecutor
@@ -89,20 +87,6 @@ def test_what_is_called_is_optimised_with_its_caller_only(optimised):
     assert len([name for name in optimised if "link" in name or "first" in name]) == 2
 
 
-def test_an_entry_may_be_called_by_what_is_compiled_later():
-    @compiled
-    def inner(x):
-        return x * x
-
-    @compiled
-    def outer(x):
-        return inner(x) + 1.0
-
-    assert inner(3.0) == 9.0
-    assert outer(3.0) == 10.0
-    assert outer(3) == 10
-
-
 def test_a_type_chooses_what_is_called():
     @compiled
     def both(line, bow, x):
@@ -113,36 +97,30 @@ def test_a_type_chooses_what_is_called():
         height(Line(2.0), 2.0)
 
 
-def test_a_part_may_raise_and_may_allocate():
-    @compiled
-    def checked(x):
-        if x < 0:
-            raise ValueError("below 0")
-        return np.full(3, x)
-
-    @compiled
-    def total(x):
-        return checked(x).sum()
-
-    assert total(2.0) == 6.0
-    with pytest.raises(ValueError, match="below 0"):
-        total(-1.0)
-
-
-def test_borrowed_arrays_are_changed_in_place():
+def test_a_part_may_raise_allocate_and_change_an_array_in_place():
     @borrowing
     def add(row, x):
+        if x < 0:
+            raise ValueError("below 0")
         for place in range(row.size):
             row[place] += x
 
     @compiled
-    def add_twice(row, x):
+    def added_twice(x):
+        row = np.zeros(3)
         add(row, x)
         add(row, x)
+        return row
 
-    row = np.zeros(4)
-    add_twice(row, 1.5)
-    assert row.tolist() == [3.0] * 4
+    @compiled
+    def total(x):
+        return added_twice(x).sum()
+
+    assert added_twice(1.5).tolist() == [3.0] * 3
+    assert total(1.5) == total(1.5) == 9.0, "an entry may be called by what is compiled later"
+    assert total(2) == 12
+    with pytest.raises(ValueError, match="below 0"):
+        total(-1.0)
 
 
 def test_garbage_is_collected_again_after_compiling(monkeypatch: pytest.MonkeyPatch):
@@ -155,14 +133,9 @@ def test_garbage_is_collected_again_after_compiling(monkeypatch: pytest.MonkeyPa
         return compile_extra(*arguments)
 
     monkeypatch.setattr(compiled_module, "compile_extra", watching)
-    calls, _ = chain()
-    calls[-1](0.1)
-    assert set(seen) == {(True, 0)}
-    wait_for(lambda: gc.get_threshold()[0] > 0)  # a thread of an earlier test may be compiling
-
-
-def test_threads_may_ask_for_the_same_function_at_once():
     calls, plain = chain()
-    with ThreadPoolExecutor(4) as pool:
+    with ThreadPoolExecutor(4) as pool:  # threads may ask for the same function at once
         found = list(pool.map(calls[-1], [0.1 * k for k in range(16)]))
     assert found == [plain[-1](0.1 * k) for k in range(16)]
+    assert set(seen) == {(True, 0)}
+    wait_for(lambda: gc.get_threshold()[0] > 0)  # a thread of an earlier test may be compiling

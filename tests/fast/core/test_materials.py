@@ -1,9 +1,5 @@
 """The table of coefficients: rows with sources, found by words, the same wherever it is shown."""
 
-from __future__ import annotations
-
-import doctest
-
 import pytest
 from fastapi.testclient import TestClient
 from typer.testing import CliRunner
@@ -14,8 +10,7 @@ from benchmarks.friction_page import PAGE, page
 from vibrafeed.app.cli import app
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
-from vibrafeed.core.materials import friction, leaf_springs, shown
-from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.materials import friction, leaf_springs
 from vibrafeed.core.scenes import SCENES
 
 ALL = friction()
@@ -35,23 +30,11 @@ def test_every_row_has_values_and_a_source() -> None:
             assert name != "restitution" or largest <= 1, row
         assert row["part"], row
         assert row["track"], row
+        if row.get("static") and row.get("kinetic") and row["kinetic"][0] > row["static"][1]:
+            assert "one value for both" in row["note"], "a study takes no such pair"
         assert ALL["sources"][row["source"]]["address"].startswith("http"), row
     declared = vibrafeed.core.materials._data("friction.toml")["sources"]
     assert set(declared) == {row["source"] for row in rows()}  # none that nobody quotes
-
-
-def test_kinetic_above_static_is_told() -> None:
-    """A study takes no such pair; a row that a source gives so says what to do."""
-    for row in ALL["pairs"]:
-        if row["static"] and row["kinetic"] and row["kinetic"][0] > row["static"][1]:
-            assert "one value for both" in row["note"], row
-
-
-@pytest.mark.parametrize("pair", ["steel steel", "aluminium steel", "brass steel", "ptfe", "pom",
-                                  "nylon", "polyurethane", "rubber", "glass", "ceramic", "abs",
-                                  "pp", "lubricated steel", "coating"])  # fmt: skip
-def test_what_a_designer_looks_for_is_there(pair: str) -> None:
-    assert friction(pair)["pairs"]
 
 
 def test_rows_are_found_by_the_beginnings_of_their_words() -> None:
@@ -61,45 +44,44 @@ def test_rows_are_found_by_the_beginnings_of_their_words() -> None:
     assert not friction("steel unobtainium")["pairs"]
     assert all("steel" in f"{row['part']} {row['track']}" for row in friction("steel")["rebounds"])
     assert found["about"] == ALL["about"]  # how far to trust them is told with any row
-
-
-def test_ranges_are_written_as_people_do() -> None:
-    assert shown({"static": [0.1, 0.3]}, "static") == "0.1 to 0.3"
-    assert shown({"static": [0.2, 0.2]}, "static") == "0.2"
-    assert shown({"static": None}, "static") == ""
-
-
-def test_who_asks_gets_a_table_of_their_own() -> None:
-    friction()["pairs"].clear()
-    friction()["sources"]["lust"]["title"] = ""
-    assert friction() == ALL
+    for pair in ("brass steel", "ptfe", "polyurethane", "rubber", "glass", "lubricated steel"):
+        assert friction(pair)["pairs"], "what a designer looks for"
 
 
 def test_the_page_is_up_to_date() -> None:
     assert PAGE.read_text(encoding="utf-8") == page()
 
 
-def test_the_command_line_prints_rows_with_their_sources() -> None:
-    result = CliRunner().invoke(app, ["materials", "abs", "steel"])
+@pytest.mark.parametrize(
+    ("words", "told", "other"),
+    [
+        (["abs", "steel"], ["ABS", "0.35", "Handbook of Surface Improvement", "to start from"],
+         "Lust"),
+        ([], ["Polyurethane linings grip"], "No row"),
+        (["--leaves", "glass", "epoxy"], ["18.6", "Accurate Plastics"], "Tokai"),
+    ],
+)  # fmt: skip
+def test_the_command_line_prints_rows_with_their_sources(words, told, other) -> None:
+    result = CliRunner().invoke(app, ["materials", *words])
     assert result.exit_code == 0, result.output
-    words = " ".join(result.output.split())
-    assert "ABS" in words
-    assert "0.35" in words
-    assert "Handbook of Surface Improvement and Modification" in words
-    assert "figures to start from" in words
-    assert "Lust" not in words
-    whole = CliRunner().invoke(app, ["materials"])
-    assert "Polyurethane linings grip" in " ".join(whole.output.split())
-    none = CliRunner().invoke(app, ["materials", "unobtainium"])
+    said = " ".join(result.output.split())
+    assert [word for word in told if word not in said] == []
+    assert other not in said
+
+
+@pytest.mark.parametrize("leaves", [[], ["--leaves"]])
+def test_what_nobody_has_is_said(leaves) -> None:
+    none = CliRunner().invoke(app, ["materials", *leaves, "unobtainium"])
     assert none.exit_code == 1
     assert "No row holds all of: unobtainium." in none.output
 
 
-def test_the_service_sends_the_same(tmp_path) -> None:
+def test_the_service_and_python_say_the_same(tmp_path) -> None:
     client = TestClient(create_app(Settings(data_directory=tmp_path)), base_url="http://localhost")
     assert client.get("/friction").json() == ALL
     assert client.get("/friction", params={"words": "abs steel"}).json() == friction("abs steel")
     assert vibrafeed.friction("abs steel") == friction("abs steel")
+    assert vibrafeed.leaf_springs("steel") == leaf_springs("steel")
 
 
 def test_every_material_of_leaves_has_a_modulus_and_a_source() -> None:
@@ -113,29 +95,7 @@ def test_every_material_of_leaves_has_a_modulus_and_a_source() -> None:
 
 
 def test_glass_fibre_scatters_by_three_as_is_said() -> None:
-    rows = leaf_springs("glass")["materials"]
-    least = min(row["elastic_modulus"][0] for row in rows)
-    largest = max(row["elastic_modulus"][1] for row in rows)
-    assert 3 < largest / least < 4
-    assert QUANTITIES["elastic_modulus"].parameter
+    ranges = [row["elastic_modulus"] for row in leaf_springs("glass")["materials"]]
+    assert 3 < max(most for _, most in ranges) / min(least for least, _ in ranges) < 4
     for name in ("linear-drive-unit", "bowl-drive-unit"):
         assert "elastic_modulus" not in SCENES[name].defaults, "no default where they scatter"
-
-
-def test_the_command_line_prints_leaf_springs() -> None:
-    result = CliRunner().invoke(app, ["materials", "--leaves", "glass", "epoxy"])
-    assert result.exit_code == 0, result.output
-    words = " ".join(result.output.split())
-    assert "18.6" in words
-    assert "Accurate Plastics" in words
-    assert "Tokai" not in words
-    none = CliRunner().invoke(app, ["materials", "--leaves", "unobtainium"])
-    assert none.exit_code == 1
-    assert "No row holds all of: unobtainium." in none.output
-    assert vibrafeed.leaf_springs("steel") == leaf_springs("steel")
-
-
-def test_its_examples_do_what_they_say() -> None:
-    done = doctest.testmod(vibrafeed.core.materials, extraglobs={"vibrafeed": vibrafeed})
-    assert done.attempted
-    assert not done.failed

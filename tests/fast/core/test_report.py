@@ -1,7 +1,5 @@
 """Error against run time: what the curves of a study say, and studies without a witness."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray
@@ -45,7 +43,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reports, "MOTION_CELLS", 6)
 
 
-def test_closed_forms_err_by_rounding_of_their_type() -> None:
+def test_closed_forms_err_by_rounding_of_their_type_and_a_file_and_a_page_say_it(tmp_path):
     found = measure(prepare_content(TRACK))
     assert found.curves == tuple(TRACK["outputs"])
     assert found.settings == ("float32", "float64")
@@ -57,20 +55,8 @@ def test_closed_forms_err_by_rounding_of_their_type() -> None:
     else:
         assert np.isnan(found.error[:, 1]).all()
         assert "no more digits" in found.notes["witness"]
-
-
-def test_a_motion_meets_its_witness_at_a_small_tolerance() -> None:
-    found = measure(prepare_content(MOTION))
-    assert set(found.curves) == {"sliding", "hopping"}
-    assert found.cells.sum() == 6
-    assert (found.largest[:, -1] < 1e-9).all()  # what the witness may be off by
-    assert (found.error <= found.largest).all()
-    assert "method reference" in found.notes["witness"]
-
-
-def test_a_report_is_a_block_a_table_and_a_page(tmp_path) -> None:
     prepared = prepare_content(TRACK)
-    found = Report.of(measure(prepared).computed())
+    found = Report.of(found.computed())
     path = tmp_path / "accuracy.nc"
     write_netcdf(found.table(prepared), path)
     with xarray.open_dataset(path, engine="netcdf4") as read:
@@ -85,15 +71,21 @@ def test_a_report_is_a_block_a_table_and_a_page(tmp_path) -> None:
     assert page.count("| transport_velocity |") == np.isfinite(found.error[0]).sum()
 
 
-def test_a_stop_leaves_settings_out() -> None:
-    found = measure(prepare_content(TRACK), Watch(stop=lambda: True))
-    assert np.isnan(found.error).all()
-    found = measure(prepare_content(MOTION), Watch(stop=lambda: True))
+def test_a_motion_meets_its_witness_at_a_small_tolerance() -> None:
+    found = measure(prepare_content(MOTION))
+    assert set(found.curves) == {"sliding", "hopping"}
+    assert found.cells.sum() == 6
+    assert (found.largest[:, -1] < 1e-9).all()  # what the witness may be off by
+    assert (found.error <= found.largest).all()
+    assert "method reference" in found.notes["witness"]
+
+
+def test_a_stop_leaves_settings_out_and_parts_at_rest_have_no_curve() -> None:
+    stopped = Watch(stop=lambda: True)
+    assert np.isnan(measure(prepare_content(TRACK), stopped).error).all()
+    found = measure(prepare_content(MOTION), stopped)
     assert found.curves == ()
     assert "nothing is measured" in found.notes["witness"]
-
-
-def test_parts_at_rest_have_no_curve() -> None:
     still = {**MOTION, "parameters": {**MOTION["parameters"], "amplitude": [0.0, 1e-7]}}
     assert measure(prepare_content(still)).curves == ()
 

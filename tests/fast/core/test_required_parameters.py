@@ -1,7 +1,5 @@
 """What the catalogue says that an output requires is enough to ask for it."""
 
-from __future__ import annotations
-
 import pytest
 
 from vibrafeed.core.catalogue import describe, describe_all

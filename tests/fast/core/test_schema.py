@@ -1,7 +1,5 @@
 """The JSON Schema of studies says what the models say, once."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 
@@ -11,7 +9,6 @@ from night import spread
 from schemas import expanded, whole_schema
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.quantities import QUANTITIES, WORDS
-from vibrafeed.core.schema import by_reference
 
 MOST = 300_000  # bytes as `vibrafeed scenes --schema` prints it; it was 4.8 million
 NAMED = ("scene", "outputs", "variant", "method")
@@ -33,7 +30,7 @@ def test_it_is_small_and_every_reference_leads_somewhere(whole):
     assert shared <= references, "of a definition that nobody uses there is no need"
 
 
-@pytest.mark.parametrize("place", spread(range(len(KINDS)), 3))
+@pytest.mark.parametrize("place", spread(range(len(KINDS)), 1))
 def test_each_kind_is_that_of_its_model(whole, place):
     kind = list(KINDS.values())[place]
     schema = expanded(whole["oneOf"][place], whole)
@@ -44,24 +41,3 @@ def test_each_kind_is_that_of_its_model(whole, place):
     assert {**schema, "properties": 0} == {**plain, "properties": 0}
     parameters = schema["properties"]["parameters"]["properties"]
     assert set(parameters) == {name for name, one in QUANTITIES.items() if one.parameter} | {*WORDS}
-
-
-def test_what_occurs_once_or_is_short_stays_where_it_is():
-    long = {"type": "string", "enum": ["a" * 30, "b" * 30]}
-    once = {"type": "string", "enum": ["c" * 30, "d" * 30]}
-    kind = {
-        "properties": {
-            "one": {**long, "title": "One"}, "other": {**long, "description": "Another."},
-            "third": {**once}, "short": {"type": "number"}, "again": {"type": "number"},
-        },
-    }  # fmt: skip
-    assert by_reference([kind], {})["oneOf"] == [
-        {
-            "properties": {
-                "one": {"$ref": "#/$defs/shared-1", "title": "One"},
-                "other": {"$ref": "#/$defs/shared-1", "description": "Another."},
-                "third": once, "short": {"type": "number"}, "again": {"type": "number"},
-            },
-        }
-    ]  # fmt: skip
-    assert by_reference([kind], {})["$defs"] == {"shared-1": long}

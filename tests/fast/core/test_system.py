@@ -1,7 +1,5 @@
 """What systems do differently, in one module."""
 
-from __future__ import annotations
-
 import io
 import os
 import sys
@@ -33,45 +31,31 @@ def test_priority_is_lowered_by_the_way_of_the_system(monkeypatch):
     assert said == [17, 19, 0x4000]
 
 
-@pytest.fixture
-def held(monkeypatch, tmp_path):
-    """Return a file and its new content, and a list of the waits till another program lets go."""
+def test_a_file_that_is_held_is_replaced_once_it_is_let_go(monkeypatch, tmp_path):
     source, target = tmp_path / "new", tmp_path / "result.CSV"
     source.write_text("new")
-    target.write_text("old")
     waits: list[float] = []
-    monkeypatch.setattr(system, "WINDOWS", True)
-    monkeypatch.setattr(system.time, "sleep", waits.append)
-    return source, target, waits
-
-
-def test_a_file_that_is_held_for_a_moment_is_replaced(held, monkeypatch):
-    source, target, waits = held
     plain = type(source).replace
+    looks = 3
 
     def replace(path, other):
-        if len(waits) < 3:
+        if len(waits) < looks:
             raise PermissionError(13, "Access is denied")
         plain(path, other)
 
+    monkeypatch.setattr(system, "WINDOWS", True)
+    monkeypatch.setattr(system.time, "sleep", waits.append)
     monkeypatch.setattr(type(source), "replace", replace)
     system.replace(source, target)
     assert target.read_text() == "new"
     assert len(waits) == 3
-
-
-def test_a_sheet_that_stays_open_is_named_in_the_systems_words(held, monkeypatch):
-    source, target, waits = held
-
-    def replace(path, other):
-        raise PermissionError(13, "Access is denied")
-
-    monkeypatch.setattr(type(source), "replace", replace)
+    waits.clear()
+    looks = 1e9  # a sheet that stays open is named in the system's words
     with pytest.raises(PermissionError, match=r"Access is denied\. Close it in Excel"):
         system.replace(source, target)
     assert sum(waits) == pytest.approx(system.PATIENCE)
     monkeypatch.setattr(system, "WINDOWS", False)
-    del waits[:]
+    waits.clear()
     with pytest.raises(PermissionError):  # on POSIX systems it means that it is forbidden
         system.replace(source, target)
     assert waits == []

@@ -1,8 +1,5 @@
 """Kept threads carry out every task once, tell the first error, and leave nothing running."""
 
-from __future__ import annotations
-
-import multiprocessing
 import threading
 
 import pytest
@@ -11,28 +8,18 @@ from vibrafeed.core.plan.evaluate import share_out
 from waiting import PATIENCE
 
 
-def test_every_task_once_and_no_more_at_a_time_than_asked():
-    done, under_way, most = [], [], []
-    lock = threading.Lock()
-
-    def call(task):
-        with lock:
-            under_way.append(task)
-            most.append(len(under_way))
-        with lock:
-            under_way.remove(task)
-            done.append(task)
-
-    share_out(call, range(100), 2)
-    assert sorted(done) == list(range(100))
-    assert max(most) <= 2
-
-
-def test_the_next_call_takes_the_same_threads():
+def test_every_task_once_and_by_the_same_threads_each_time():
     names: set[str] = set()
     for _ in range(20):
-        share_out(lambda _: names.add(threading.current_thread().name), range(6), 2)
-    assert len(names) <= 2
+        done: list[int] = []
+
+        def call(task, done=done):
+            names.add(threading.current_thread().name)
+            done.append(task)
+
+        share_out(call, range(6), 2)
+        assert sorted(done) == list(range(6))
+    assert len(names) <= 2  # no more at a time than asked
 
 
 def test_the_caller_takes_part_and_does_all_where_others_are_busy():
@@ -76,23 +63,3 @@ def test_the_first_error_comes_after_what_has_begun_and_the_rest_is_left_out():
     before = len(begun)
     share_out(lambda _: None, range(4), 2)
     assert len(begun) == before < 1000
-
-
-def _fork_answers(pipe):
-    done = []
-    share_out(done.append, range(4), 2)
-    pipe.send(sorted(done))
-
-
-@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
-def test_a_fork_has_threads_of_its_own():
-    share_out(lambda _: None, range(4), 2)
-    here, there = multiprocessing.Pipe()
-    child = multiprocessing.get_context("fork").Process(target=_fork_answers, args=(there,))
-    child.start()
-    try:
-        assert here.poll(60)
-        assert here.recv() == [0, 1, 2, 3]
-    finally:
-        child.kill()
-        child.join()

@@ -1,7 +1,5 @@
 """Python is as good as the command line: questions, errors, short texts, pictures of files."""
 
-from __future__ import annotations
-
 import json
 
 import matplotlib.pyplot as plt
@@ -9,44 +7,23 @@ import pytest
 
 import vibrafeed
 from vibrafeed import _functions
-from vibrafeed.core.errors import StudyError
 
-SWEEP = {"scene": "rectangle-on-plane", "outputs": ["throw_number"], "frequency": 50, "beta": 20}
-
-
-def test_an_unusual_number_is_asked_about_where_it_was_written():
-    with pytest.warns(UserWarning, match=r'amplitude = 0\.25 means 250 mm.*"0\.25 mm"') as asked:
-        vibrafeed.sweep(**SWEEP, amplitude=0.25)
-    assert asked[0].filename == __file__
-    assert vibrafeed.sweep(**SWEEP, amplitude="250 mm") is not None  # a unit says that it is meant
+KEYS = {"scene": "rectangle-on-plane", "outputs": ["throw_number"]}
+POINT = {"frequency": 50, "beta": 20}
+SWEEP = {**KEYS, **POINT}
 
 
-def test_a_study_that_is_made_or_loaded_warns_too(tmp_path):
-    told = r"amplitude = 0\.25 means 250 mm"
-    with pytest.warns(UserWarning, match=told) as asked:
-        vibrafeed.study(kind="sweep", **SWEEP, amplitude=0.25)
-    assert asked[0].filename == __file__
+@pytest.mark.parametrize("name", ["sweep", "open_lazily", "study", "load_study"])
+def test_an_unusual_number_is_asked_about_where_it_was_written(tmp_path, name):
     path = tmp_path / "study.json"
-    path.write_text(
-        json.dumps(
-            {
-                "kind": "sweep",
-                "scene": "rectangle-on-plane",
-                "outputs": ["throw_number"],
-                "parameters": {"frequency": 50, "beta": 20, "amplitude": 0.25},
-            }
-        )
-    )
-    with pytest.warns(UserWarning, match=told) as asked:
-        vibrafeed.load_study(path)
-    assert asked[0].filename == __file__
-
-
-@pytest.mark.parametrize("function", [vibrafeed.sweep, vibrafeed.open_lazily])
-def test_a_function_asks_where_it_was_called(function):
-    with pytest.warns(UserWarning, match="means 250 mm") as asked:
-        function(**SWEEP, amplitude=0.25)
-    assert [one.filename for one in asked] == [__file__]
+    kept = {"kind": "sweep", **KEYS, "parameters": {**POINT, "amplitude": 0.25}}
+    path.write_text(json.dumps(kept))
+    given = {**SWEEP, "amplitude": 0.25}
+    asked = {"load_study": {"path": path}, "study": {"kind": "sweep", **given}}
+    with pytest.warns(UserWarning, match=r'amplitude = 0\.25 means 250 mm.*"0\.25 mm"') as told:
+        getattr(vibrafeed, name)(**asked.get(name, given))
+    assert [one.filename for one in told] == [__file__]
+    assert vibrafeed.sweep(**SWEEP, amplitude="250 mm") is not None  # a unit: it is meant
 
 
 def test_a_grid_that_memory_cannot_hold_is_an_error_in_words():
@@ -64,12 +41,8 @@ def test_studies_are_shown_briefly():
     assert "None" not in repr(study)
     shown = study._repr_html_()
     assert "<td>parameters.frequency</td><td>50.0</td>" in shown
-    assert "None" not in shown
-
-
-def test_notebooks_show_the_words_of_an_error_alone():
-    error = StudyError([])
-    assert error._render_traceback_() == [f"StudyError: {error}"]
+    error = vibrafeed.StudyError([])
+    assert error._render_traceback_() == [f"StudyError: {error}"]  # of notebooks
 
 
 def test_a_long_computation_in_a_notebook_says_how_far_it_is(capsys):

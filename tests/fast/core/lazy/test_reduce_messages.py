@@ -1,7 +1,5 @@
 """What is wrong with a reduction is told at its place, all at once, and what would be right."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest
@@ -134,23 +132,6 @@ def test_each_mistake_is_told_where_it_is(asked: dict[str, Any], told: str) -> N
     assert told in found[0]
 
 
-def test_all_mistakes_are_told_at_once() -> None:
-    content = {
-        **STUDY,
-        "outputs": ["throw_number", "acceleration_q"],
-        "reduce": {"over": ["gamma"], **MAX, "of": ["speed"]},
-    }
-    with pytest.raises(StudyError) as refused:
-        prepare_content(content)
-    places = {problem.place for problem in refused.value.problems}
-    assert places == {"outputs", "parameters.friction", "reduce.over.0", "reduce.of.0"}
-
-
-def test_other_kinds_have_no_reduction() -> None:
-    with pytest.raises(StudyError, match="'reduce' is not a key of kind 'optimise'"):
-        prepare_content({**STUDY, "kind": "optimise", "reduce": {"over": ["beta"], **MAX}})
-
-
 def test_equal_reductions_have_one_key() -> None:
     asked = {
         "over": ["friction", "beta", "beta"],
@@ -186,11 +167,24 @@ def test_what_is_stopped_is_no_answer_and_what_is_reduced_has_no_cells() -> None
         open_lazily(prepared)
     with pytest.raises(StudyError, match="/processes/sweep/execution"):
         prepare_content({**STUDY, "reduce": {"over": ["beta"], **MAX}}, "sweep")
+    with pytest.raises(StudyError, match="'reduce' is not a key of kind 'optimise'"):
+        prepare_content({**STUDY, "kind": "optimise", "reduce": {"over": ["beta"], **MAX}})
+
+
+@pytest.mark.parametrize("own", [{"sensitivities": True}, {"trajectory": 10}])
+def test_what_a_simulation_cannot_tell_of_a_reduction_and_all_at_once(own: dict[str, Any]) -> None:
+    outputs = ["conveying_velocity", "motion_status", "acceleration_q"]
+    study = {**STUDY, "kind": "simulate", "outputs": outputs, **own}
+    with pytest.raises(StudyError) as refused:
+        prepare_content({**study, "reduce": {"over": ["beta", "gamma"], "of": ["motion_status"]}})
+    places = {problem.place for problem in refused.value.problems}
+    assert {"outputs", *own, "reduce.over.1", "reduce.of.0"} <= places
 
 
 def test_cells_that_do_not_count() -> None:
     asked = {"over": ["amplitude", "beta"], "statistics": ["max", "argmax"], "regimes": True}
-    valid = tabulate(prepare_content({**STUDY, "reduce": asked})).to_xarray()
+    valid = tabulate(prepare_content({**STUDY, "verify": 5, "reduce": asked})).to_xarray()
+    assert valid.attrs["verified_cells"] == 5
     every = tabulate(prepare_content({**STUDY, "reduce": {**asked, "cells": "all"}})).to_xarray()
     assert float(every.throw_number_max) == float(valid.throw_number_max) > 1  # it always holds
     assert int(every.throw_number_count) == int(valid.throw_number_count) == 30
@@ -200,12 +194,6 @@ def test_cells_that_do_not_count() -> None:
     assert float(every.throw_number_argmax_beta) == 30
     assert every.throw_number_max.attrs["cell_methods"] == "amplitude: beta: maximum"
     assert every.beta.attrs["reduced_range"].tolist() == [10, 30]
-
-
-def test_cells_are_verified_as_those_of_a_sweep() -> None:
-    asked = {"over": ["amplitude"], **MAX}
-    found = tabulate(prepare_content({**STUDY, "verify": 5, "reduce": asked}))
-    assert found.attributes["verified_cells"] == 5
 
 
 def test_quantiles_of_more_cells_than_memory_holds_are_refused() -> None:
