@@ -16,8 +16,8 @@ from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import SCENES, instead_of
 
-RANDOM, EXTREME = count(120, 2000), count(40, 300)
-TUNED = 8  # points for each threshold, three in a row
+RANDOM, EXTREME = count(60, 2000), count(30, 300)
+TUNED = count(4, 8)  # points for each threshold, three in a row
 
 
 DECADES = {  # of random values
