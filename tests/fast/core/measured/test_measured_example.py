@@ -8,9 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from night import spread
-from recordings import DRIVE, signal_of
-from vibrafeed.core.measured import Recording, fit_drive, fit_signal
+from vibrafeed.core.measured import Recording, fit_drive
 from vibrafeed.core.plots.measured import draw_fit
 
 EXAMPLES = Path(__file__).parents[4] / "examples"
@@ -33,7 +31,6 @@ def fit():
 def test_the_program_makes_the_recording(program, tmp_path):
     program.main(tmp_path / "made.csv")
     assert (tmp_path / "made.csv").read_text() == RECORDING.read_text()
-    assert RECORDING.stat().st_size < 200_000
 
 
 def test_the_drive_is_the_one_that_was_put_in(program, fit):
@@ -59,16 +56,8 @@ def test_what_is_left_over_is_noise_and_hum(program, fit):
     np.testing.assert_allclose(rms, expected, rtol=0.05)
 
 
-@pytest.mark.parametrize("axes", spread([("along",), ("along", "normal"), ("normal",)], 1))
-def test_fits_of_some_axes_are_drawn(axes, tmp_path):
-    figure = draw_fit(fit_signal(signal_of({axis: DRIVE[axis] for axis in axes})))
-    figure.savefig(tmp_path / "fit.png")
-    assert len(figure.axes) == len(axes) + 3
-
-
-def test_a_picture_says_what_was_fitted(fit, tmp_path):
+def test_a_picture_says_what_was_fitted(fit):
     figure = draw_fit(fit)
-    figure.savefig(tmp_path / "fit.png")
     labels = [axes.get_ylabel() for axes in figure.axes]
     assert labels == [
         "Along (m/s²)", "Across (m/s²)", "Normal (m/s²)", "Residual (m/s²)", "Amplitude (m/s²)",
