@@ -6,7 +6,6 @@ import pytest
 
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, read_content, read_toml
-from vibrafeed.core.intake.section import advice_on_path
 
 STUDY = """\
 kind = "simulate"
@@ -32,17 +31,6 @@ def test_a_backslash_in_double_quotes_is_told(path):
     assert message.endswith("In a path write / for \\, or set the path in '...'.")
 
 
-def test_other_syntax_errors_have_their_own_advice():
-    assert "texts, such as" in told(read_toml, "path = 'C:\\Users\\anna'\nbeta = 20 deg\n")
-
-
-@pytest.mark.parametrize("line", ["friction = 0,3", "a = { start = 0.1, stop = 0,3 }", "b=-0,3 mm"])
-def test_a_decimal_comma_is_named(line):
-    message = told(read_toml, f"[parameters]\n{line}\n")
-    assert "line 2: the number " in message
-    assert "0,3 has a decimal comma. Write " in message
-
-
 def test_utf_16_is_what_powershell_writes(tmp_path):
     file = tmp_path / "study.toml"
     file.write_bytes(STUDY.format("").replace("\n", "\r\n").encode("utf-16"))
@@ -53,28 +41,16 @@ def test_utf_16_is_what_powershell_writes(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "line",
+    ("kind", "line", "words"),
     [
-        "drive = { file = 'data\\x.csv', along = 'a' }",
-        'drive = { file = "data\\new.csv", along = "a" }',
-        "drive = { file = 'C:\\Users\\anna\\x.csv', along = 'a' }",
-        "kind_ = 1\nobservations = 'data\\x.csv'",
-        "uncertain = { friction = { calibration = 'data\\x.nc' } }",
+        ("simulate", "drive = { file = 'data\\x.csv', along = 'a' }", SLASHES),
+        ("simulate", 'drive = { file = "data\\new.csv", along = "a" }', SLASHES),
+        ("calibrate", "observations = 'data\\x.csv'", SLASHES),
+        ("sensitivity", "uncertain = { friction = { calibration = 'data\\x.nc' } }", SLASHES),
+        ("simulate", "drive = { file = 'data/x.csv', along = 'a' }", "Name a CSV file by its path"),
     ],
 )
-def test_a_missing_file_with_backslashes_is_told_of_the_separator(tmp_path, line):
-    kind = {"observations": "calibrate", "uncertain": "sensitivity"}
-    text = STUDY.format(line.replace("kind_ = 1\n", ""))
-    for word, other in kind.items():
-        if word in line:
-            text = text.replace("simulate", other)
+def test_a_missing_file_with_backslashes_is_told_of_the_separator(tmp_path, kind, line, words):
     file = tmp_path / "study.toml"
-    file.write_text(text)
-    assert SLASHES in told(load_study, file)
-
-
-def test_a_plain_missing_file_has_the_advice_of_its_section(tmp_path):
-    assert advice_on_path("data/x.csv", "Name a CSV") == "Name a CSV"
-    file = tmp_path / "study.toml"
-    file.write_text(STUDY.format("drive = { file = 'data/x.csv', along = 'a' }"))
-    assert "Name a CSV file by its path" in told(load_study, file)
+    file.write_text(STUDY.format(line).replace("simulate", kind))
+    assert words in told(load_study, file)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.intake import parse_study, prepare_content
+from vibrafeed.core.intake import parse_study
 
 CONTENT = {
     "kind": "simulate",
@@ -15,13 +15,25 @@ CONTENT = {
 }
 
 
-def test_the_old_key_of_the_limit_of_periods_still_works():
-    old, new = (parse_study({**CONTENT, key: 64}) for key in ("most_periods", "max_periods"))
-    assert old.canonical() == new.canonical()
-    assert "most_periods" not in str(old.canonical())
-    assert prepare_content({**CONTENT, "most_periods": 64}).study.max_periods == 64
+RUNS = {
+    "kind": "calibrate",
+    "scene": "rectangle-on-plane",
+    "observations": [{"amplitude": "0.2 mm", "regime": "hops"}],
+    "unknowns": {"friction": {"lower": 0.1, "upper": 0.5}},
+    "parameters": {"frequency": 50, "beta": 20},
+}
 
 
-def test_a_wrong_value_under_the_old_key_is_refused():
-    with pytest.raises(StudyError, match="periods"):
-        parse_study({**CONTENT, "most_periods": 2})
+@pytest.mark.parametrize(
+    ("content", "old", "new", "right", "wrong", "words"),
+    [
+        (CONTENT, "most_periods", "max_periods", 64, 2, "periods"),
+        (RUNS, "doubt", "outlier_probability", 0.02, 0.7, "not a probability between"),
+    ],
+)
+def test_an_old_key_still_works(content, old, new, right, wrong, words):
+    before, now = (parse_study({**content, key: right}) for key in (old, new))
+    assert getattr(before, new) == right
+    assert before.canonical() == now.canonical()
+    with pytest.raises(StudyError, match=words):
+        parse_study({**content, old: wrong})

@@ -2,10 +2,8 @@
 
 import pytest
 
-from vibrafeed.core import suggestions
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content, read_json, read_toml
-from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.suggestions import nearest, suggestion
 
@@ -15,22 +13,6 @@ PLANE = {
     "outputs": ["acceleration_x"],
     "parameters": {"frequency": 50, "amplitude": "0.1 mm", "beta": 20, "friction": 0.3},
 }
-
-
-def problems(study=PLANE, **parameters):
-    content = {**study, "parameters": {**study["parameters"], **parameters}}
-    with pytest.raises(StudyError) as caught:
-        prepare_content(
-            {
-                **content,
-                "parameters": {
-                    name: value
-                    for name, value in content["parameters"].items()
-                    if value is not None
-                },
-            }
-        )
-    return [str(problem) for problem in caught.value.problems]
 
 
 @pytest.mark.parametrize(
@@ -71,15 +53,6 @@ def test_a_related_quantity_gets_the_relation(typed, advice):
     assert suggestion(typed, PARAMETERS) == advice
 
 
-@pytest.mark.parametrize("typed", ["drive_voltage", "voltage", "volts", "drive_current"])
-def test_a_voltage_is_no_force(typed):
-    advice = suggestion(typed, PARAMETERS)
-    assert "square of voltage" in advice
-    assert "scale drive_force by (V/V0)^2" in advice
-    (message,) = problems(**{typed: 180})
-    assert advice in message
-
-
 @pytest.mark.parametrize(
     "typed",
     ["max_amplitude", "mean_friction", "half_amplitude", "track_speed", "base_weight",
@@ -106,69 +79,59 @@ def test_a_slip_of_the_pen_is_mended(typed, meant):
     assert nearest(typed, PARAMETERS) == meant
 
 
-def test_relations_speak_of_names_that_there_are_and_take_none():
-    for target, names, sentence in suggestions._RELATIONS:
-        assert target in QUANTITIES
-        assert target in sentence or "frequency" in sentence
-        assert not {*names.split()} & {*PARAMETERS}
+@pytest.mark.parametrize(
+    ("read", "text", "place", "number"),
+    [
+        (read_toml, "kind = 'sweep'\n[parameters]\nfriction = 0,3\n", "file: line 3", "0,3"),
+        (read_toml, "[parameters]\nb = { start = 0,1, stop = 0.3 }\n", "file: line 2", "0,1"),
+        (read_toml, "[parameters]\nb=-0,3 mm\n", "file: line 2", "-0,3"),
+        (read_json, '{"parameters": {"friction": 0,3}}', "body: line 1", "0,3"),
+    ],
+)
+def test_a_decimal_comma_is_named(read, text, place, number):
+    with pytest.raises(StudyError) as caught:
+        read(text)
+    right = number.replace(",", ".")
+    assert str(caught.value) == f"{place}: the number {number} has a decimal comma. Write {right}."
 
 
-def test_a_name_that_nobody_wrote_is_not_to_be_removed():
-    (message,) = problems(weight="3 N")
-    assert message.startswith("parameters.weight: 'weight' is not a parameter. Write mass")
+BOX = {"kind": "sweep", "scene": "resting-part",
+       "parameters": {"length": "30 mm", "width": "20 mm", "height": "10 mm"}}  # fmt: skip
 
 
-def test_the_mass_of_a_box_is_in_its_middle():
-    box = {"kind": "sweep", "scene": "resting-part", "outputs": ["let_down_share_flat"],
-           "parameters": {"length": "30 mm", "width": "20 mm", "height": "10 mm"}}  # fmt: skip
-    (message,) = problems(box, centre_of_mass="5 mm")
-    assert "a box has its mass in the middle" in message
-    assert "count a drop test" in message
-    assert "turned" not in message
+ALONG = {"kind": "simulate", "outputs": ["conveying_velocity"]}
 
 
-def test_a_friction_in_per_cent_is_a_share():
-    content = {**PLANE, "parameters": {**PLANE["parameters"], "friction": ["20%", "30 %"]}}
-    assert prepare_content(content).grid.coordinate("friction").tolist() == [0.2, 0.3]
-    assert "'%' is not a unit" in problems(beta="30 %")[0]
+@pytest.mark.parametrize(
+    ("study", "parameters", "words"),
+    [
+        *((PLANE, {typed: 180}, ["square of voltage", "scale drive_force by (V/V0)^2"])
+          for typed in ("drive_voltage", "volts", "drive_current")),
+        (PLANE, {"weight": "3 N"},
+         ["parameters.weight: 'weight' is not a parameter. Write mass"]),
+        ({**BOX, "outputs": ["let_down_share_flat"]}, {"centre_of_mass": "5 mm"},
+         ["a box has its mass in the middle", "count a drop test"]),
+        ({**BOX, "outputs": ["resting_share_flat"]}, {},
+         ["Ask for let_down_share_flat and thrown_share_flat"]),
+        (PLANE, {"beta": "30 %"}, ["'%' is not a unit"]),
+        # A number without a unit has none in messages.
+        (PLANE, {"friction": {"start": 0.5, "stop": 0.3, "num": 3}},
+         ["parameters.friction: stop (0.3) of the range of friction is not above start (0.5). "
+          "Swap start and stop, or list the values: a list may fall."]),
+        # "A sin(beta)" had been said of a vertical amplitude, too, which is A sin(beta) itself.
+        *(({**PLANE, **ALONG, "parameters": {"frequency": 50, "friction": 0.3}},
+           {"amplitude_along_1": 1e-4, name: 1e-4},
+           ["amplitude_normal_1 = amplitude sin(beta), which is the vertical amplitude"])
+          for name in ("vertical_amplitude", "peak_to_peak")),
+    ],
+)  # fmt: skip
+def test_a_study_is_told_what_it_may_mean(study, parameters, words):
+    with pytest.raises(StudyError) as caught:
+        prepare_content({**study, "parameters": {**study["parameters"], **parameters}})
+    told = str(caught.value)
+    assert all(word in told for word in words), told
 
 
-def test_a_decimal_comma_is_named():
-    toml = "kind = 'sweep'\n[parameters]\nfriction = 0,3\n"
-    span = "[parameters]\nfriction = { start = 0,1, stop = 0.3, num = 3 }\n"
-    for read, text, told in (
-        (read_toml, toml, "file: line 3: the number 0,3 has a decimal comma. Write 0.3."),
-        (read_toml, span, "file: line 2: the number 0,1 has a decimal comma. Write 0.1."),
-        (read_json, '{"parameters": {"friction": 0,3}}',
-         "body: line 1: the number 0,3 has a decimal comma. Write 0.3."),
-    ):  # fmt: skip
-        with pytest.raises(StudyError) as caught:
-            read(text)
-        assert str(caught.value) == told
-    assert read_json('{"a": [0,3], "b": 1}') == {"a": [0, 3], "b": 1}
-
-
-def test_a_number_without_a_unit_has_none_in_messages():
-    (message,) = problems(friction={"start": 0.5, "stop": 0.3, "num": 3})
-    assert message == (
-        "parameters.friction: stop (0.3) of the range of friction is not above start (0.5). "
-        "Swap start and stop, or list the values: a list may fall."
-    )
-    assert prepare_content({**PLANE, "parameters": {**PLANE["parameters"], "friction": [0.5, 0.3]}})
-
-
-@pytest.mark.parametrize("name", ["vertical_amplitude", "peak_to_peak"])
-def test_a_sine_beside_harmonics_is_told_as_zero_to_peak_amplitudes(name):
-    """ "A sin(beta)" had been said of a vertical amplitude, too, which is A sin(beta) itself."""
-    study = {**PLANE, "kind": "simulate", "outputs": ["conveying_velocity"]}
-    told = " ".join(
-        problems(study, amplitude=None, beta=None, amplitude_along_1=1e-4, **{name: 1e-4})
-    )
-    assert "amplitude_normal_1 = amplitude sin(beta), which is the vertical amplitude" in told
-
-
-def test_a_share_of_rest_has_two_ends():
-    study = {"kind": "sweep", "scene": "resting-part", "outputs": ["resting_share_flat"],
-             "parameters": {"length": "12 mm", "width": "8 mm", "height": "3 mm"}}  # fmt: skip
-    with pytest.raises(StudyError, match="Ask for let_down_share_flat and thrown_share_flat"):
-        prepare_content(study)
+def test_a_friction_in_per_cent_is_a_share_and_a_list_may_fall():
+    content = {**PLANE, "parameters": {**PLANE["parameters"], "friction": ["30%", "20 %"]}}
+    assert prepare_content(content).grid.coordinate("friction").tolist() == [0.3, 0.2]

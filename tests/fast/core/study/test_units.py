@@ -33,14 +33,6 @@ def test_powers_that_would_take_hours_are_no_units(unit):
         read_number("amplitude", QUANTITIES["amplitude"], f"1 {unit}")
 
 
-@pytest.mark.parametrize(
-    "unit", ["m/s**2", "m/s^2", "m/s²", "m*s**-2", "m s^-2", "m / s ** 2", "mm³/mm²/s**2"]
-)
-def test_low_powers_are_read(unit):
-    shown = 1e-3 if "mm" in unit else 1.0
-    assert read_number("gravity", QUANTITIES["gravity"], f"1 {unit}") == shown
-
-
 LONG = "0.3" + "0" * 250 + " mm"  # cut to 200 characters it is 0.3 m
 POINT = {"frequency": 50, "amplitude": "0.3 mm", "beta": 20}
 TOO_LONG = "characters. A value has at most 200 characters"
@@ -95,29 +87,23 @@ def test_a_long_condition_is_refused(content):
         parse_study(study(**content))
 
 
-@pytest.mark.parametrize("text", ["17,220 mm/s", "1,500", "-17,220,000 mm/s"])
+@pytest.mark.parametrize("text", ["17,220 mm/s", "1,500"])
 def test_thousands_as_the_screen_writes_them_may_be_decimals(text):
     with pytest.raises(UnitError, match=r"may mean two numbers\. Remove the comma, or write a dec"):
         read_number("mean_velocity", QUANTITIES["mean_velocity"], text)
-
-
-def test_two_hundred_characters_are_read():
-    text = "0.3".ljust(197, "0") + " mm"
-    assert read_number("amplitude", QUANTITIES["amplitude"], text) == 3e-4
+    longest = "0.3".ljust(197, "0") + " mm"
+    assert read_number("amplitude", QUANTITIES["amplitude"], longest) == 3e-4
     with pytest.raises(UnitError, match="has 201 characters"):
-        read_number("amplitude", QUANTITIES["amplitude"], f"{text} ")
+        read_number("amplitude", QUANTITIES["amplitude"], f"{longest} ")
 
 
 @pytest.mark.parametrize("read", [read_json, read_toml])
 def test_an_integer_of_900_000_digits_is_refused_in_our_words(read):
-    digits = "1" * 900_000
-    text = f'{{"frequency": {digits}}}' if read is read_json else f"frequency = {digits}\n"
-    with pytest.raises(StudyError) as caught:
-        read(text)
-    (problem,) = caught.value.problems
-    assert (problem.message, problem.fix) == ("it is a number larger than 1.8e308", "Fix the value")
-    text = text.replace(digits, digits[:400])
-    with pytest.raises(StudyError, match=r"frequency: it is a number larger than 1\.8e308"):
-        read(text)
+    digits, words = "1" * 900_000, "it is a number larger than 1.8e308. Fix the value."
+    text = '{"frequency": DIGITS}' if read is read_json else "frequency = DIGITS\n"
+    for given, place in ((digits, ""), (digits[:400], "frequency: ")):
+        with pytest.raises(StudyError) as caught:
+            read(text.replace("DIGITS", given))
+        assert f"{place}{words}" in str(caught.value)
     with pytest.raises(StudyError, match="has 900,000 characters"):
         parse_study(study(parameters={**POINT, "frequency": digits}))
