@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.evaluate import grid_of, plan_of, traceable
+from night import NIGHT
 from plans import make_plan
 from vibrafeed.core.plan import evaluate as door
 from vibrafeed.core.plan import program
@@ -38,11 +39,12 @@ BY_DAY = {
 }  # fmt: skip
 """Those whose loops take the compiler 1 to 4 s; others, of up to 13 s, are for the night."""
 
-VARIANTS = [
-    pytest.param(name, variant, marks=[] if (name, variant) in BY_DAY else [pytest.mark.night])
-    for name, scene in SCENES.items()
-    for variant in scene.variants
-]
+VARIANTS = [(name, variant) for name, scene in SCENES.items() for variant in scene.variants]
+
+
+@pytest.mark.parametrize(("name", "variant"), VARIANTS)
+def test_what_numpy_keeps_is_listed(name, variant):
+    assert bool(traceable(name, variant)[False]) == ((name, variant) in UNTRACED)
 
 
 def assert_same_bits(got, expected):
@@ -72,15 +74,12 @@ def few_cells(monkeypatch):
 
 
 @pytest.mark.usefixtures("few_cells")
-@pytest.mark.parametrize(("name", "variant"), VARIANTS)
+@pytest.mark.parametrize(("name", "variant"), VARIANTS if NIGHT else sorted(BY_DAY))
 def test_loops_give_the_bits_of_numpy(name, variant):
-    ways = traceable(name, variant)
-    assert bool(ways[False]) == ((name, variant) in UNTRACED), ways[False]
-    plan = plan_of(name, variant, tuple(ways[True]))
-    grid = grid_of(plan, 60_000, seed=1)
+    plan = plan_of(name, variant, tuple(traceable(name, variant)[True]))
+    grid = grid_of(plan, 20_000, seed=1)
     assert Fused(plan, traced(plan, grid.axes), grid).sources or (name, variant) in SHORT
-    got, expected = both_ways(plan, grid)
-    assert_same_bits(got, expected)
+    assert_same_bits(*both_ways(plan, grid))
 
 
 TRACK = ("frequency", "amplitude", "alpha", "beta", "friction", "radius", "distance", "speed")
@@ -100,19 +99,35 @@ def track(outputs: tuple[str, ...], **values) -> tuple[Plan, Grid]:
     return plan, Grid.of(axes)
 
 
-@pytest.mark.parametrize("task", [600, 5_000, 1 << 20])
-@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize(("threads", "task"), [(1, 600), (3, 5_000), (3, 1 << 20)])
 def test_bits_do_not_depend_on_threads_or_tasks(monkeypatch, threads, task):
     monkeypatch.setattr(door, "TASK_CELLS", task)
     monkeypatch.setattr(door, "COLUMN_CELLS", task)
     # Numpy takes the arc of a stop between loops; the distances are short and long ones.
     spans = {"speed": (0.0, 0.2, 3), "distance": (1e-4, 0.3, 2), "beta": (5, 60, 6)}
     plan, grid = track(("travel_time", "stopping_time"), **spans)
-    done: list[float] = []
     got, expected = both_ways(plan, grid, threads)
     assert_same_bits(got, expected)
+    done: list[float] = []
     Fused(plan, traced(plan, grid.axes), grid).run(got, threads, done.append)
     assert sum(done) == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    ("outputs", "step", "less", "more", "known"),
+    [
+        # Short distances need no logarithms; a part that starts from rest needs one root.
+        ("travel_time", "binade(", {"speed": 0.3, "distance": 2e-4},
+         {"speed": 0.3, "distance": 0.3}, 0),
+        ("transport_velocity", "sqrt(", {"speed": 0.0}, {"speed": 0.3}, 1),
+    ],
+)  # fmt: skip
+def test_steps_that_values_make_superfluous_are_left_out(outputs, step, less, more, known):
+    few, many = (
+        "".join(Fused(plan, traced(plan, grid.axes), grid).sources).count(step)
+        for plan, grid in (track((outputs,), **given) for given in (less, more))
+    )
+    assert few == known < many
 
 
 @pytest.mark.parametrize("shape", [(100_003,), (40_009, 3), (3, 40_009), (2, 2, 2, 2, 2, 5_003)])
@@ -125,24 +140,6 @@ def test_long_and_short_axes(shape):
     middle = {n: sum(values[n]) / 2 for n in names if n not in chosen}
     plan, grid = track(("transport_velocity", "throw_number"), **middle, **axes)
     assert_same_bits(*both_ways(plan, grid))
-
-
-def test_short_distances_need_no_logarithms():
-    short, long = (
-        "\n".join(Fused(plan, traced(plan, grid.axes), grid).sources)
-        for plan, grid in (track(("travel_time",), speed=0.3, distance=x) for x in (2e-4, 0.3))
-    )
-    assert "binade(" not in short
-    assert "binade(" in long
-
-
-def test_a_part_that_starts_from_rest_needs_one_root():
-    moving, resting = (
-        "\n".join(Fused(plan, traced(plan, grid.axes), grid).sources)
-        for plan, grid in (track(("transport_velocity",), speed=v) for v in (0.3, 0.0))
-    )
-    assert resting.count("sqrt(") == 1
-    assert moving.count("sqrt(") == 2
 
 
 def test_one_loop_serves_studies_that_differ_in_their_numbers():
@@ -173,14 +170,14 @@ def test_steps_that_change_nothing_are_left_out():
 @pytest.mark.parametrize(
     "step",
     [
-        lambda x: float(x),
+        float,
         lambda x: x if x > 0 else -x,
         lambda x: x**2,
         lambda x: x.ndim,
         lambda x: x[0],
         lambda x: np.stack([x, x]),
-        lambda x: np.add.reduce(x),
-        lambda x: np.asarray(x),
+        np.add.reduce,
+        np.asarray,
         lambda x: x * np.arange(3.0),
     ],
 )
@@ -191,18 +188,11 @@ def test_what_is_not_elementwise_does_not_trace(step):
 
 def test_loops_are_compiled_once_numpy_has_worked_as_long(monkeypatch):
     monkeypatch.setattr(door, "_seen", door.defaultdict(int))
-    monkeypatch.setattr(door, "COMPILED_FROM", 300_000)
-    monkeypatch.setattr(door, "CACHED_FROM", 300_000)
+    for name in ("COMPILED_FROM", "CACHED_FROM"):
+        monkeypatch.setattr(door, name, 300_000)
     monkeypatch.setattr(program, "_compiled", set())
-    ran: list[int] = []
-    run = Fused.run
-
-    def counted(self, *given):
-        ran.append(len(ran))
-        run(self, *given)
-
-    monkeypatch.setattr(Fused, "run", counted)
+    run, ran = Fused.run, []
+    monkeypatch.setattr(Fused, "run", lambda *given: ran.append(1) or run(*given))
     plan, grid = track(("transport_velocity",))  # 33,264 cells: 3 ms of numpy
-    asked = [bool(evaluate(plan, grid)) and len(ran) for _ in range(11)]
-    assert asked[:9] == [0] * 9
-    assert asked[9] == 1
+    asked = [bool(evaluate(plan, grid)) and len(ran) for _ in range(10)]
+    assert asked == [*[0] * 9, 1]
