@@ -13,7 +13,7 @@ from exact_planes import FORMULAS, Point
 from many_digits import mp, mpf
 from night import count, spread
 from plane_points import parameters, random_point
-from plans import make_plan
+from plans import values_at
 from point_slopes import motion_sensitivities, sensitivities
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.plan import plan as plans
@@ -108,14 +108,6 @@ CYLINDERS = {
 }  # fmt: skip
 
 
-def values(scene, variant, outputs, point):
-    plan = make_plan(scene, variant, outputs, point)
-    known = {name: np.asarray(value) for name, value in {**plan.defaults, **point}.items()}
-    for equation in plan.equations:
-        known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
-    return {name: float(known[name]) for name in plan.outputs}
-
-
 @pytest.mark.parametrize(
     ("scene", "variant"),
     [
@@ -135,12 +127,12 @@ def test_the_other_scenes_against_differences(scene, variant):
     rng = np.random.default_rng(3)
     chosen = list(rng.choice(sorted(n for n in point if point[n] != 0), 4, replace=False))
     found = sensitivities(scene, variant, outputs, point, chosen)
-    at = values(scene, variant, outputs, point)
+    at = values_at(scene, variant, outputs, point)
     compared = 0
     for parameter in chosen:
         h = 1e-3 * abs(point[parameter])
         m2, m1, p1, p2 = (
-            values(scene, variant, outputs, point | {parameter: point[parameter] + k * h})
+            values_at(scene, variant, outputs, point | {parameter: point[parameter] + k * h})
             for k in (-2, -1, 1, 2)
         )
         for output in outputs:
@@ -208,26 +200,6 @@ def test_a_jump_has_no_derivative():
     assert free.derivative == 0
     # The limit itself is rounded: the tie is met, or the point lies just in slip.
     assert near.derivative == 0 or (math.isnan(near.derivative) and "jump" in near.note)
-
-
-def test_a_kink_of_a_third_of_a_percent_is_not_averaged():
-    # Where the part begins to press on the wall: d ln a/d ln f is 2.2233 on one side, 2.2158 on
-    # the other. The slopes bend more over a large step.
-    point = {
-        "frequency": 50.0, "amplitude": 2e-4, "friction": 0.2, "gamma": 0.0,
-        "delta": math.radians(2), "beta": math.radians(11.308209914778725),
-    }  # fmt: skip
-    P = point["amplitude"] * (2 * math.pi * point["frequency"]) ** 2
-    point["alpha"] = math.asin(9.80665 * math.sin(point["delta"]) / (P * math.cos(point["beta"])))
-    sides = []
-    for off in (-1e-6, 0.0, 1e-6):
-        at = {**point, "frequency": 50 * (1 + off)}
-        one = sensitivities("rectangle-on-track", "physical", ["acceleration_x"], at, ["frequency"])
-        sides.append(one["acceleration_x", "frequency"])
-    assert sides[0].logarithmic == pytest.approx(2.22333, abs=1e-5)
-    assert sides[2].logarithmic == pytest.approx(2.21579, abs=1e-5)
-    assert math.isnan(sides[1].derivative)
-    assert "kink" in sides[1].note
 
 
 def test_a_parameter_that_plays_no_part_is_refused():

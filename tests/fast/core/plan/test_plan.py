@@ -15,7 +15,7 @@ from vibrafeed.core.kinds import KINDS, run_study
 from vibrafeed.core.motion import SYSTEMS
 from vibrafeed.core.plan.evaluate import empty_results, evaluate_in_blocks
 from vibrafeed.core.plan.plan import scene_parameters
-from vibrafeed.core.quantities import QUANTITIES, REGIMES
+from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES
 from vibrafeed.core.scenes import SCENES, Condition, Equation
 from vibrafeed.core.scenes.scene import Scene
 
@@ -352,3 +352,27 @@ def test_what_one_output_needs_is_found_once():
     assert plan.only("throw_number").parameters == DRIVE
     plan.depends_on(["beta"])["throw_number"] = frozenset()  # the caller's own
     assert plan.depends_on(["beta"])["throw_number"] == {"beta"}
+
+
+ERRORS = {
+    "conveying_velocity_error", "conveying_velocity_spread", "yield_deviation",
+    "transit_time_error", "bottleneck_velocity_error",
+}  # fmt: skip
+COUNTS = {
+    "period_multiple", "impacts_per_period", "impact_count", "platoons", "friction_seed",
+    "device_order", "spring_count", *(f"platoon_size_{n}" for n in range(1, 11)),
+}  # fmt: skip
+
+
+def test_flags_counts_and_errors_have_no_derivative():
+    none = {name for name, quantity in QUANTITIES.items() if not quantity.is_derived}
+    assert none == {*FLAGS, *ERRORS, *COUNTS}
+    assert all(QUANTITIES[name].error_of in QUANTITIES for name in ERRORS)
+
+
+@pytest.mark.parametrize("name", FLAGS)
+def test_a_flag_takes_a_byte_and_its_values_fit(name):
+    values = [flag.value for flag in FLAGS[name].values()]
+    assert (QUANTITIES[name].width, QUANTITIES[name].compared) == (1, False)
+    assert len(set(values)) == len(values)
+    assert 0 <= min(values) <= max(values) < 128

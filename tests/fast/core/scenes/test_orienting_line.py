@@ -236,15 +236,6 @@ def test_an_interval_of_what_lies_as_wanted():
         assert found[f"{name}_lower"] < found[name] < found[f"{name}_upper"]
 
 
-def test_counts_replace_both_ends_of_the_shares():
-    shares = np.array([0.7, 0.2, 0.1])
-    counts = {f"drop_count_{k}": 1e12 * share for k, share in enumerate(shares, 1)}
-    names = [f"counted_share_{name}" for name in ("flat", "on_side", "on_end")]
-    ends = ["yield_lower", "yield_upper"]
-    found = line(*names, *ends, **BOX, wiper_height_1="12 mm", **counts)
-    assert found == pytest.approx([*shares, 0.7, 0.7], abs=1e-5)
-
-
 # --- what a study may say
 
 

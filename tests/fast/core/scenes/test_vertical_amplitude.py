@@ -129,25 +129,6 @@ def test_an_amplitude_is_given_once(other):
     assert any("set the same quantity" in one for one in problems)
 
 
-def test_its_derivatives_are_those_of_the_amplitude_it_makes():
-    """d ln A/d ln A_v = 1, so that its elasticity is that of the amplitude."""
-    asked = {**PLANE, "outputs": ["conveying_velocity"], "beta": 25}
-    one = vibrafeed.simulate(
-        **asked, vertical_amplitude="0.1 mm", sensitivities=["vertical_amplitude", "beta"]
-    )
-    along = 0.1e-3 / np.sin(np.deg2rad(25))
-    two = vibrafeed.simulate(**asked, amplitude=along, sensitivities=["amplitude", "beta"])
-    name = "sensitivity_conveying_velocity_to_"
-    assert float(one[f"{name}vertical_amplitude"]) == pytest.approx(
-        float(two[f"{name}amplitude"]), rel=1e-8
-    )
-    # A = A_v/sin(beta): d ln v/d beta = the one at fixed A less cot(beta) d ln v/d ln A.
-    slope = "derivative_conveying_velocity_by_beta"
-    less = float(two[f"{name}amplitude"] * two.conveying_velocity) / np.tan(np.deg2rad(25))
-    expected = float(two[slope]) - less * np.deg2rad(1.0)
-    assert float(one[slope]) == pytest.approx(expected, rel=1e-8)
-
-
 def test_the_catalogue_says_what_it_is_given_for():
     told = {one["name"]: one for one in describe("rectangle-on-plane")["parameters"]}
     for name in ("vertical_amplitude", "vertical_peak_to_peak", "peak_to_peak"):

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.intake import parse_json, parse_study, parse_toml
+from vibrafeed.core.intake import parse_json, parse_study, parse_toml, prepare_content
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study import Fixed
 from vibrafeed.core.study.grid_study import PARAMETERS
@@ -170,3 +170,90 @@ def test_equal_studies_have_equal_keys_however_they_are_written():
 def test_no_value_whatever_ends_in_another_error(value, name):
     with contextlib.suppress(StudyError):
         parse_study(plane(**{name: value}) if name in QUANTITIES else {**PLANE, name: value})
+
+
+POINT = {"frequency": 50, "amplitude": 3e-4, "beta": 30, "friction": 0.3}
+SIMULATE = {
+    "kind": "simulate",
+    "scene": "rectangle-on-plane",
+    "outputs": ["conveying_velocity"],
+    "parameters": POINT,
+}
+NUMBER = "Write friction = 0.3 (a plain number)"
+TEXT = "Write a text in quotes"
+WRONG = [
+    (
+        {"parameters": {**POINT, "friction": True}},
+        "parameters.friction",
+        "true is not a number",
+        NUMBER,
+    ),
+    (
+        {"parameters": {**POINT, "amplitude": []}},
+        "parameters.amplitude",
+        "the list of values of amplitude is empty",
+        "Give at least one value",
+    ),
+    (
+        {"parameters": []},
+        "parameters",
+        "an empty list is not a table of keys and values",
+        "Write a table, in JSON an object",
+    ),
+    ({"scene": 3}, "scene", "3 is not a text", TEXT),
+    ({"scene": {"a": 1}}, "scene", "a table is not a text", TEXT),
+    ({"title": ["x"]}, "title", "a list is not a text", TEXT),
+    ({"outputs": "x"}, "outputs", "'x' is not a list", "Write a list in brackets"),
+    ({"outputs": []}, "outputs", "it has too few entries", "Give at least 1"),
+    ({"max_periods": 99.5}, "max_periods", "99.5 is not a whole number", "Write a whole number"),
+    ({"max_periods": 3}, "max_periods", "3 is too small", "Write at least 8"),
+    ({"tolerance": True}, "tolerance", "true is not a number", "Write a plain number"),
+    ({"tolerance": {}}, "tolerance", "an empty table is not a number", "Write a plain number"),
+    ({"tolerance": 3}, "tolerance", "3 is too large", "Write at most 1"),
+    (
+        {"verify": "x" * 100},
+        "verify",
+        f"'{'x' * 60}...' is not a whole number",
+        "Write a whole number",
+    ),
+]
+
+
+@pytest.mark.parametrize(("change", "place", "message", "fix"), WRONG)
+def test_another_type_is_told(change, place, message, fix):
+    with pytest.raises(StudyError) as raised:
+        prepare_content({**SIMULATE, **change})
+    told = [(one.place, one.message, one.fix) for one in raised.value.problems]
+    assert (place, message, fix) in told
+
+
+CONTENT = {
+    "kind": "simulate",
+    "scene": "rectangle-on-plane",
+    "outputs": ["conveying_velocity"],
+    "parameters": {"frequency": 50, "amplitude": "0.3 mm", "beta": 20, "friction": 0.3},
+}
+
+
+RUNS = {
+    "kind": "calibrate",
+    "scene": "rectangle-on-plane",
+    "observations": [{"amplitude": "0.2 mm", "regime": "hops"}],
+    "unknowns": {"friction": {"lower": 0.1, "upper": 0.5}},
+    "parameters": {"frequency": 50, "beta": 20},
+}
+
+
+@pytest.mark.parametrize(
+    ("content", "old", "new", "right", "wrong", "words"),
+    [
+        (CONTENT, "most_periods", "max_periods", 64, 2, "periods"),
+        (RUNS, "doubt", "outlier_probability", 0.02, 0.7, "not a probability between"),
+    ],
+)
+def test_an_old_key_still_works(content, old, new, right, wrong, words):
+    before, now = (parse_study({**content, key: right}) for key in (old, new))
+    assert getattr(before, new) == right
+    assert before.canonical() == now.canonical()
+    with pytest.raises(StudyError, match=words):
+        parse_study({**content, old: wrong})

@@ -1,4 +1,4 @@
-"""Units that vibrafeed writes, to files, headings and the screen, are read again."""
+"""Units that vibrafeed writes, to files, headings, the screen and pictures, are read again."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vibrafeed.core.dataset.frame import heading
 from vibrafeed.core.dataset.table import TableVariable, quantity_attributes
 from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, Quantity
-from vibrafeed.core.study.shown import SI, SMALLER, TRADE, ShownUnits, read_shown
+from vibrafeed.core.study.shown import SI, SMALLER, TRADE, Shown, ShownUnits, read_shown
 from vibrafeed.core.study.units import UnitError, read_number, unit_factor, with_unit
 
 UNITS = sorted({quantity.unit for quantity in QUANTITIES.values()})
@@ -144,3 +144,34 @@ def test_what_is_written_or_shown_is_read(unit, x):
     for one in {ShownUnits().of(unit, abs(x)), ShownUnits("si").of(unit, abs(x))}:
         read = read_number("value", free(unit), f"{x * one.factor!r} {one.unit}")
         assert math.isclose(read, x, rel_tol=THREE_ROUNDINGS)
+
+
+def test_every_unit_of_a_quantity_can_be_asked_for_and_read():
+    for unit in {quantity.unit for quantity in QUANTITIES.values()} - {"1"}:
+        shown = ShownUnits("si").of(unit, 1.0)
+        assert "-1" not in shown.unit, f"{unit} is written as {shown.unit}: add it to SI"
+    assert SI["m s-2"] == "m/s²"
+
+
+@pytest.mark.parametrize("words", [["candela"], [""], ["1"], ["mm/s", "m/min"]])
+def test_what_is_no_unit_is_refused(words):
+    with pytest.raises(UnitError):
+        read_shown(words)
+
+
+@pytest.mark.parametrize(
+    ("words", "unit", "largest", "factor", "shown"),
+    [
+        ([], "m s-1", 12.0, 1000.0, "mm/s"),
+        (["SI"], "m s-1", 0.01, 1.0, "m/s"),
+        ([], "kg", 0.05, 1000.0, "g"),
+        ([], "kg", 0.5, 1.0, "kg"),
+        ([], "kg", 0.0, 1.0, "kg"),
+        (["m/min", "rad", "si"], "m s-1", 1.0, 60.0, "m/min"),
+        (["m/min", "rad", "si"], "m", 1e-3, 1.0, "m"),
+        (["rad"], "degree", 1.0, math.pi / 180, "rad"),
+    ],
+)
+def test_a_unit_stands_for_its_kind(words, unit, largest, factor, shown):
+    found = read_shown(words).of(unit, largest)
+    assert found == Shown(pytest.approx(factor, rel=1e-15), shown)
