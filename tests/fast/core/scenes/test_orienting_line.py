@@ -200,42 +200,6 @@ def test_parts_that_go_round_one_by_one():
 # --- drop tests
 
 
-def test_an_interval_of_the_rate_by_two_hundred_counts():
-    for devices in ({"wiper_height_1": "12 mm"}, {**RISER, **FLAT_ONLY}):
-        names = ("yield", "yield_deviation", "yield_lower", "yield_upper", "passing_share_flat",
-                 "passing_share_on_side", "passing_share_on_end")  # fmt: skip
-        eta, deviation, lower, upper, *passing = line(*names, **BOX, **devices, **COUNTS)
-        draws = np.random.default_rng(4).dirichlet(np.array([129, 49, 22]) + 0.5, 400_000) @ passing
-        assert eta == pytest.approx(draws.mean(), abs=5 * draws.std() / 632)
-        assert deviation == pytest.approx(draws.std(), rel=0.01)
-        # Quantiles of 400 000 draws scatter by 0.01 deviations; the beta distribution of equal
-        # moments is off by less where a riser makes the yield a sum of two shares.
-        ends = np.quantile(draws, [0.025, 0.975])
-        assert [lower, upper] == pytest.approx(ends, abs=0.05 * deviation)
-        assert lower < eta < upper
-    rates = ("line_feed_rate", "line_feed_rate_lower", "line_feed_rate_upper")
-    rate, least, most = line(*rates, **BOX, **RISER, **FLAT_ONLY, **COUNTS, arrival_rate=300)
-    assert [rate, least, most] == pytest.approx([300 * eta, 300 * lower, 300 * upper], rel=ROUNDING)
-
-
-def test_an_interval_of_what_lies_as_wanted():
-    devices = {**RISER, "wiper_height_2": "22 mm"}  # those on their side pass, too
-    names = [f"{name}{end}" for name in ("oriented_feed_rate", "purity", "laps", "return_rate")
-             for end in ("", "_lower", "_upper")]  # fmt: skip
-    found = dict(zip(names, line(*names, **BOX, **devices, **COUNTS, arrival_rate=300,
-                                 wanted_aspect=1), strict=True))  # fmt: skip
-    p = np.random.default_rng(4).dirichlet(np.array([129, 49, 22]) + 0.5, 400_000)
-    flat, eta = p[:, 0] + 0.6 * p[:, 1], p[:, 0] + p[:, 1]
-    for name, draws in (("oriented_feed_rate", 300 * flat), ("purity", flat / eta),
-                        ("laps", 1 / eta), ("return_rate", 300 * (1 - eta))):  # fmt: skip
-        ends = np.quantile(draws, [0.025, 0.975])
-        # A purity is taken to first order of the counts' scatter.
-        assert [found[f"{name}_lower"], found[f"{name}_upper"]] == pytest.approx(
-            ends, abs=0.05 * draws.std()
-        )
-        assert found[f"{name}_lower"] < found[name] < found[f"{name}_upper"]
-
-
 # --- what a study may say
 
 
@@ -282,3 +246,23 @@ def test_a_filter_for_the_flat_and_a_riser_before_it():
                     part_pitch="20 mm")  # fmt: skip
     expected = [300 * eta, 300 * (1 - eta), 1, rate, rate]
     assert [rate, back, pure, wanted, by_pitch] == pytest.approx(expected, rel=ROUNDING)
+
+
+def test_intervals_by_two_hundred_counts():
+    names = ("yield", "oriented_feed_rate", "purity", "laps", "return_rate", "line_feed_rate")
+    asked = ["yield_deviation", *(f"{name}{end}" for name in names
+                                  for end in ("", "_lower", "_upper"))]  # fmt: skip
+    devices = {**RISER, "wiper_height_2": "22 mm"}  # those on their side pass, too
+    told = line(*asked, **BOX, **devices, **COUNTS, arrival_rate=300, wanted_aspect=1)
+    found = dict(zip(asked, told, strict=True))
+    p = np.random.default_rng(4).dirichlet(np.array([129, 49, 22]) + 0.5, 400_000)
+    flat, eta = p[:, 0] + 0.6 * p[:, 1], p[:, 0] + p[:, 1] + 0.6 * p[:, 2]
+    assert found["yield_deviation"] == pytest.approx(eta.std(), rel=0.01)
+    drawn = (eta, 300 * flat, flat / eta, 1 / eta, 300 * (1 - eta), 300 * eta)
+    for name, draws in zip(names, drawn, strict=True):
+        middle, *ends = (found[f"{name}{end}"] for end in ("", "_lower", "_upper"))
+        # A purity is taken to first order of the counts' scatter; quantiles of 400 000 draws
+        # scatter by 0.01 deviations, and the beta distribution of equal moments is off by less.
+        right = np.quantile(draws, [0.025, 0.975])
+        assert ends == pytest.approx(right, abs=0.05 * draws.std()), name
+        assert ends[0] < middle < ends[1]

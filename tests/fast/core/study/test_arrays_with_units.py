@@ -11,8 +11,6 @@ import xarray
 import vibrafeed
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import gather, parse_study
-from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.units import read_number
 
 SCENE = {"scene": "rectangle-on-plane", "outputs": ["throw_number"], "beta": 20}
 POINT = {"frequency": 50, "amplitude": "0.3 mm"}
@@ -142,15 +140,6 @@ def test_ranges_bounds_and_distributions_are_converted():
         uncertain={"amplitude": {"mean": 0.3 * mm, "deviation": array(10.0, "µm")}},
     )  # fmt: skip
     assert study.content()["uncertain"] == {"amplitude": {"mean": 3e-4, "deviation": 1e-5}}
-
-
-def test_a_value_to_look_at_may_be_a_quantity():
-    for value in (20 * PLAIN.degree, array(20.0, "degree"), np.float32(20), np.int64(20)):
-        assert read_number("beta", QUANTITIES["beta"], value) == 20.0
-    dataset = vibrafeed.sweep(**{**SCENE, "beta": [10, 20]}, frequency=50, amplitude=[1e-4, 3e-4])
-    assert vibrafeed.plot(dataset, axes="beta", at={"amplitude": 0.3 * PLAIN.mm})
-    with pytest.raises(vibrafeed.VibrafeedError, match="does not measure amplitude"):
-        vibrafeed.plot(dataset, axes="beta", at={"amplitude": 0.3 * PLAIN.s})
 
 
 def test_observations_are_columns_of_tables_and_datasets():

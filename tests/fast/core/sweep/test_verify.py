@@ -1,4 +1,4 @@
-"""Random cells evaluated again: `verify` tells the truth, sees what is wrong, and can be stopped."""
+"""Cells evaluated again: `verify` tells the truth, sees what is wrong, and can be stopped."""
 
 from __future__ import annotations
 
