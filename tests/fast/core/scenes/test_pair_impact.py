@@ -303,16 +303,6 @@ def test_a_line_of_contact_is_reversed_as_a_whole_and_solved_without_friction_on
         assert int(clash(**place).contact_form) == form
 
 
-def test_a_line_of_contact_is_reversed_as_a_whole():
-    """Both ends of the line of parallel cylinders separate with -eps times their approach."""
-    at = clash(position_x_1=0.01)
-    spin_1, spin_2 = float(at.spin_y_1_after), float(at.spin_y_2_after)
-    assert spin_1 == pytest.approx(spin_2, rel=1e-9)
-    # v_z at a point is v_z - w_y (x - x_c), at the middle of body 1
-    rise = float(at.velocity_z_1_after) - (float(at.velocity_z_2_after) - 0.01 * spin_2)
-    assert rise == pytest.approx(0.2, rel=1e-9)
-
-
 def test_cylinders_on_a_floor_are_the_planar_problem():
     """Equal diameters: footprint h x d, but the inertia of the cylinder (theory 8.2)."""
     turn, half, r = math.radians(40), 0.03, 0.01

@@ -10,7 +10,7 @@ import pytest
 from vibrafeed.app.cli.questions import QUESTIONS
 from vibrafeed.core.catalogue import describe_all
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.intake import prepare_content, read_content, read_json, read_toml
+from vibrafeed.core.intake import load_study, prepare_content, read_content, read_json, read_toml
 from vibrafeed.core.intake.forms import keys_of_studies
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.motion.systems import SYSTEMS
@@ -284,3 +284,52 @@ def test_a_study_is_told_what_it_may_mean(study, parameters, words):
 def test_a_friction_in_per_cent_is_a_share_and_a_list_may_fall():
     content = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": ["30%", "20 %"]}}
     assert prepare_content(content).grid.coordinate("friction").tolist() == [0.3, 0.2]
+
+
+DRIVEN_BY = """\
+kind = "simulate"
+scene = "rectangle-on-plane"
+parameters = {{ friction = 0.3 }}
+{}
+"""
+SLASHES = "Write / between the folders of a path, not \\"
+
+
+def message_of(call, *arguments):
+    with pytest.raises(StudyError) as caught:
+        call(*arguments)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "path", ["C:\\Users\\anna\\x.csv", "data\\x.csv", "C:\\temp\\x.csv", "data\\"]
+)
+def test_a_backslash_in_double_quotes_is_told(path):
+    message = message_of(read_toml, f'[drive]\nfile = "{path}"\n')
+    assert "line 2" in message
+    assert message.endswith("In a path write / for \\, or set the path in '...'.")
+
+
+def test_utf_16_is_what_powershell_writes(tmp_path):
+    file = tmp_path / "study.toml"
+    file.write_bytes(DRIVEN_BY.format("").replace("\n", "\r\n").encode("utf-16"))
+    message = "it is not UTF-8 text. Save it as UTF-8; in PowerShell write it with -o FILE, not >."
+    assert message_of(read_content, file) == f"file: {message}"
+    file.write_bytes("title = 'Sch\u00fcttgut'".encode("latin-1"))
+    assert message_of(read_content, file) == "file: it is not UTF-8 text. Save it as UTF-8."
+
+
+@pytest.mark.parametrize(
+    ("kind", "line", "words"),
+    [
+        ("simulate", "drive = { file = 'data\\x.csv', along = 'a' }", SLASHES),
+        ("simulate", 'drive = { file = "data\\new.csv", along = "a" }', SLASHES),
+        ("calibrate", "observations = 'data\\x.csv'", SLASHES),
+        ("sensitivity", "uncertain = { friction = { calibration = 'data\\x.nc' } }", SLASHES),
+        ("simulate", "drive = { file = 'data/x.csv', along = 'a' }", "Name a CSV file by its path"),
+    ],
+)
+def test_a_missing_file_with_backslashes_is_told_of_the_separator(tmp_path, kind, line, words):
+    file = tmp_path / "study.toml"
+    file.write_text(DRIVEN_BY.format(line).replace("simulate", kind))
+    assert words in message_of(load_study, file)
