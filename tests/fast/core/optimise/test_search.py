@@ -1,4 +1,4 @@
-"""The search of all designs at once, by known maxima; of points that chance favoured, which stand."""
+"""The search of all designs at once, by known maxima, and what it keeps of chance."""
 
 from __future__ import annotations
 
@@ -246,29 +246,3 @@ def test_a_known_value_beats_lucky_ones_that_do_not_stand():
     value, place, kept = kept_of(Noisy(lambda x: np.where(x < 0.85, 0.5, 0.6)), UNIT)
     assert UNIT[0, value.argmax()] < 0.85 <= UNIT[0, place]
     assert kept == 0.6
-
-
-def test_simulated_velocities_stand():
-    study = parse_study({
-        "kind": "optimise", "scene": "rectangle-on-plane",
-        "criterion": {"kind": "maximise", "output": "conveying_velocity"},
-        "variables": {"beta": {"lower": "12 deg", "upper": "20 deg"}},
-        "parameters": {"frequency": "60 Hz", "amplitude": "0.5 mm", "friction": 0.5,
-                       "restitution": [0.0, 0.8]},
-    })  # fmt: skip
-    prepared, unit = prepare(study), np.linspace(0, 1, 300)[None]
-    problem, designs = prepared.problem, designs_of(prepared.problem, prepared.designs)
-    x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * unit
-    for place_of_design in (0, 1):
-        design = chosen_cells(designs, slice(place_of_design, place_of_design + 1))
-        scales = problem.scales(design)
-        value, _, doubt = judged = problem.judged(x, design, scales)
-        best = int(value.argmax())
-        place, kept = most_reliable(problem, unit, judged, design, scales)
-        if place_of_design == 0:
-            assert (place, kept, doubt[best]) == (best, value[best], 0)
-    assert doubt[best] > 0  # the largest mean is chance in part
-    again, _, unsure = problem.longer(300.0).judged(x[:, [place]], design, scales)
-    assert abs(again - kept) <= unsure + 1e-12
-    # What is kept is no less than what was sure of the largest.
-    assert kept >= value[best] - doubt[best]

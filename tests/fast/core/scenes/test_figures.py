@@ -310,7 +310,7 @@ NUMBERS = range(1, 30)
 BESIDE = {"cycle_time", "quantile", "level", "uncertain"}  # dimensions of no parameter
 
 
-@pytest.mark.parametrize("path", spread(STUDIES, 13), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", spread(STUDIES, 10), ids=lambda path: path.stem)
 def test_study_runs_and_its_regime_tells_of_every_cell(path: Path) -> None:
     prepared = prepare(load_study(path))
     dataset = tabulate(prepared).to_xarray()

@@ -237,15 +237,15 @@ def test_a_filter_for_the_flat_and_a_riser_before_it():
     known = [0.6450216, 1.5503358, 0.8532052, 40 * 1.5503358]
     assert [eta, laps, variance, time] == pytest.approx(known, rel=1e-7)
     assert most == pytest.approx(4.446, abs=5e-4)
-    eta, laps, rate, back, pure, wanted = line(
+    eta, laps, rate, *others = line(
         "yield", "laps", "line_feed_rate", "return_rate", "purity", "oriented_feed_rate",
         **BOX, **RISER, **FLAT_ONLY, arrival_rate="300 1/min", wanted_aspect=1,
     )  # fmt: skip
     assert [eta, laps] == pytest.approx([0.7906578795, 1.2647695], abs=5e-8)
     by_pitch = line("line_feed_rate", **BOX, **RISER, **FLAT_ONLY, arrival_speed="100 mm/s",
                     part_pitch="20 mm")  # fmt: skip
-    expected = [300 * eta, 300 * (1 - eta), 1, rate, rate]
-    assert [rate, back, pure, wanted, by_pitch] == pytest.approx(expected, rel=ROUNDING)
+    expected = np.array([300 * (1 - eta), 1, 300 * eta, 300 * eta, 300 * eta])
+    assert [*others, rate, by_pitch] == pytest.approx(expected, rel=ROUNDING)
 
 
 def test_intervals_by_two_hundred_counts():

@@ -58,11 +58,12 @@ def sensitive(content=PLANE, /, **change):
 
 def test_the_probability_of_a_closed_form_is_that_of_its_normal_friction():
     normal, at = stats.norm(0.3, 0.02), [0.28, 0.31]
-    frictions = [*at, *normal.ppf([0.95, 0.5, 0.05])]
-    known = vibrafeed.sweep(
+    frictions = sorted([*at, *normal.ppf([0.05, 0.5, 0.95])])  # the two are second and fourth
+    every = vibrafeed.sweep(
         scene=PLANE["scene"], outputs="acceleration_x", friction=frictions, **PLANE["parameters"]
     ).acceleration_x.values
-    for friction, level in zip(at, known[:2], strict=True):
+    known, of_quantiles = every[1::2], every[::-2]
+    for friction, level in zip(at, known, strict=True):
         # More friction, less acceleration: as likely as that the friction is below.
         demand = {"output": "acceleration_x", "at_least": float(level)}
         found = sensitive(demands=[demand], samples=4096)
@@ -70,7 +71,7 @@ def test_the_probability_of_a_closed_form_is_that_of_its_normal_friction():
         probability = float(found.probability_acceleration_x_at_least)
         assert probability == pytest.approx(normal.cdf(friction), abs=1.5 * error)
         assert error < 0.005
-    away = np.abs(found.acceleration_x_quantile.values - known[2:])
+    away = np.abs(found.acceleration_x_quantile.values - of_quantiles)
     assert away.max() <= 2e-3
     assert (away <= 2 * found.acceleration_x_quantile_error.values).all()
     # It is linear in friction: one parameter, all of the variance, and a budget without error.
