@@ -156,7 +156,7 @@ def test_equal_studies_have_equal_keys_however_they_are_written():
     assert parse_json(ranged.canonical()) == ranged
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=20)
 @given(
     st.recursive(
         st.none() | st.booleans() | st.floats() | st.integers() | st.text(max_size=20),

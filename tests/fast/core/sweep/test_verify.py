@@ -148,7 +148,7 @@ def test_what_cannot_be_judged_is_told_and_why():
     parameters = {**FEW, "amplitude": "0.25 mm", "friction": [1e-4, 0.1]}
     slow = {
         "outputs": ["conveying_velocity"],
-        "max_periods": 20,
+        "max_periods": 100,
         "verify": 2,
         "method": "reference",
     }
@@ -206,7 +206,7 @@ STATED = {**MOTION, "outputs": ["conveying_velocity", "conveying_velocity_error"
     ("content", "words"),
     [
         (SWEEP, f"rounding: at most {BOUND} ulp times"),
-        (PAIR, "rounding: some ulp times"),
+        (PAIR, "rounding of 64-bit floats"),
         (MOTION, "if asked for"),
         (STATED, "states it for each cell"),
         (BEST, "optimum_gap"),
