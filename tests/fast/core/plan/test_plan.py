@@ -207,6 +207,9 @@ VELOCITY = ("rectangle-on-track", ["transport_velocity"])
         (ACCELERATION, {**DRIVEN, "amplitude": "0.5 kg"}, {"amplitude": "mm"}),
         (ACCELERATION, {**DRIVEN, "gama": 3}, {"gama": "Did you mean 'gamma' (climb)?"}),
         (ACCELERATION, {**DRIVEN, "radius": 0.5}, {"radius": "not used by rectangle"}),
+        # No dimension of the part enters its velocity.
+        (VELOCITY, {**DRIVEN, "radius": 0.5, "distance": 1e-4, "width": 1e-3, "mass": 5e-3},
+         {"width": "not used", "mass": "not used"}),
         (VELOCITY, {**DRIVEN, "radius": 0.5}, {"distance": "missing"}),
         (ACCELERATION, {**DRIVEN, "beta": {"start": 90, "stop": 0, "num": 9}}, {"beta": "Swap"}),
         (ACCELERATION, {**DRIVEN, "friction": -0.3}, {"friction": "at least 0"}),
