@@ -315,3 +315,18 @@ def test_cylinders_on_a_floor_are_the_planar_problem():
     names = ("contact_form", "impulse_normal", "contact_x", "spin_z_2_after")
     expected = [2, 0.6 / G_NN, x_P, -x_P * 0.6 / G_NN / I_2]
     assert [float(at[name]) for name in names] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("away", [1e-3, 1e-7])
+def test_the_gap_of_rims_that_cross(away):
+    """The end of body 1 comes down aslant on that of body 2, whose rim is at (40, 0, 10) mm."""
+    n, t = np.array([1, 0, 1]) / math.sqrt(2), np.array([0.5, math.sqrt(0.5), -0.5])
+    w = np.cross(t, n)
+    end, side = (w - n) / math.sqrt(2), (-w - n) / math.sqrt(2)
+    centre = np.array([0.04, 0, 0.01]) - 0.03 * end - 0.01 * side + away * n
+    x, y, z = centre.tolist()
+    azimuth, elevation = np.degrees([np.arctan2(end[1], end[0]), np.arcsin(end[2])]).tolist()
+    at = clash(position_x_1=x, position_y_1=y, position_z_1=z, azimuth_1=azimuth,
+               elevation_1=elevation)  # fmt: skip
+    assert regime(at) == "apart"
+    assert float(at.gap) == pytest.approx(away, rel=1e-8)

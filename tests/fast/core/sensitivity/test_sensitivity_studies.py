@@ -118,6 +118,7 @@ def test_designs_are_told_alike_alone_together_and_in_pieces():
         })  # fmt: skip
 
     prepared = asked([0, 1, 3])
+    assert prepared.seconds > 0
     whole = tabulate(prepared).to_xarray()
     alone = tabulate(asked(1))
     for name, variable in alone.variables.items():
