@@ -11,7 +11,7 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
-import vibrafeed
+from night import spread
 from recordings import signal_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
@@ -62,55 +62,48 @@ def refused(text, recording=AX_AZ):
 
 @pytest.mark.parametrize(
     ("name", "factor"),
-    [
-        ("time_ms", 1e3), ("timestamp_ms", 1e3), ("t_us", 1e6), ("time (ms)", 1e3), ("timeMs", 1e3),
-        ("Time us", 1e6), ("t_ns", 1e9), ("time_s", 1.0), ("Zeit [s]", 1.0), ("millis", 1e3),
-        ("Uhr [ms]", 1e3), ("micros", 1e6), ("elapsed_ms", 1e3), ("time/ms", 1e3), ("t / s", 1.0),
-        ("t in ms", 1e3),
-    ],
+    spread(
+        [
+            ("time_ms", 1e3), ("t_us", 1e6), ("time (ms)", 1e3), ("timeMs", 1e3), ("Time us", 1e6),
+            ("t_ns", 1e9), ("Zeit [s]", 1.0), ("millis", 1e3), ("Uhr [ms]", 1e3), ("micros", 1e6),
+            ("elapsed_ms", 1e3), ("time/ms", 1e3), ("t / s", 1.0), ("t in ms", 1e3),
+        ],
+        7,
+    ),
 )  # fmt: skip
 def test_the_name_of_a_column_of_times_tells_their_unit(name, factor):
     is_true(fit_drive(table(SIGNAL.times * factor, head=f"{name},ax,az"), AX_AZ))
 
 
 def test_the_name_of_a_channel_tells_its_unit():
-    text = table(SIGNAL.times * 1e3, head="time_ms,acc_x_g,acc_z_g")
-    is_true(fit_drive(text, Recording(along="acc_x_g", normal="acc_z_g")))
     text = table(SIGNAL.times, 1e3 * G, head="time_s,x_mg,z_mg")
     is_true(fit_drive(text, Recording(along="x_mg", normal="z_mg")))
     told = refused(text, Recording(along="x_mg", normal="z_mg", unit="g"))
     assert "column 'x_mg' has two units: mg in its header, g in the key unit" in told
 
 
-@pytest.mark.parametrize(("unit", "factor"), [("ms", 1e3), ("us", 1e6), ("ns", 1e9)])
-def test_times_without_a_unit_that_cannot_be_seconds_are_refused(unit, factor):
-    told = refused(table(SIGNAL.times * factor, head="time,ax,az"))
-    if factor < 1e9:
-        assert told.startswith("time: column 'time' does not say the unit of its times")
-        assert (
-            f"they look like {unit}. Write the unit in the heading, as in 'time [{unit}]'" in told
-        )
-    else:  # refused before a fit is tried
-        assert "which no recorder does" in told
-    known = Recording(along="ax", normal="az", unit="g", line_frequency=50)
-    if factor < 1e9:
-        told = refused(table(SIGNAL.times * factor, head="time,ax,az"), known)
-        assert "write the unit in the heading, as in 'time [ms]'" in told
+@pytest.mark.parametrize(
+    ("unit", "factor", "line", "words"),
+    [
+        ("ms", 1e3, None,
+         "they look like ms. Write the unit in the heading, as in 'time [ms]'"),
+        ("us", 1e6, 50, "write the unit in the heading, as in 'time [ms]'"),
+        ("ns", 1e9, None, "which no recorder does"),  # refused before a fit is tried
+    ],
+)  # fmt: skip
+def test_times_without_a_unit_that_cannot_be_seconds_are_refused(unit, factor, line, words):
+    recording = Recording(along="ax", normal="az", unit="g", line_frequency=line)
+    assert words in refused(table(SIGNAL.times * factor, head="time,ax,az"), recording)
 
 
-@pytest.mark.parametrize("blank", ["T", " "])
-@pytest.mark.parametrize("date", [True, False])
-@pytest.mark.parametrize("zone", ["", "Z"])
+@pytest.mark.parametrize(
+    ("blank", "date", "zone"), [("T", True, "Z"), (" ", True, ""), ("T", False, "")]
+)
 def test_times_after_iso_8601_are_read(blank, date, zone):
     start = datetime(2024, 2, 29, 23 if date else 3, 59, 59, 900_000)
     times = [start + timedelta(seconds=time) for time in SIGNAL.times.tolist()]
-    texts = [
-        (one.isoformat(blank, "microseconds") + zone)
-        if date
-        else one.time().isoformat("microseconds")
-        for one in times
-    ]
-    is_true(fit_drive(table(texts), AX_AZ))
+    texts = [one.isoformat(blank, "microseconds") + zone for one in times]
+    is_true(fit_drive(table(texts if date else [text[11:] for text in texts]), AX_AZ))
 
 
 def test_times_that_cannot_be_read_say_so_once_and_name_the_rate():
@@ -151,10 +144,8 @@ def test_a_logger_that_is_late_is_fitted_at_its_true_times():
     [
         ("", "#time,ax,az", ","),
         ("# Klipper\n", "# time,ax,az", ","),
-        ("sep=;\n", "time;ax;az", ";"),
         ('"sep=,"\n', "time,ax,az", ","),
         ("Recorder;X1\nDate;2024-01-02\nRate;2000\n\n", "time;ax;az", ";"),
-        ("Made by hand\nwith care, and more\n", "time,ax,az", ","),
         ("", "time;ax;az\ns;g;g", ";"),
         ("LabVIEW Measurement\t\nSeparator\tTab\t\nSamples\t800\t800\n***End_of_Header***\t\t\n",
          "X_Value\tax\taz\tComment", "\t"),
@@ -164,25 +155,17 @@ def test_names_below_a_preamble_or_behind_a_sign_are_found(above, head, mark):
     is_true(fit_drive(above + table(SIGNAL.times, head=head, mark=mark), AX_AZ))
 
 
-# --- decimal marks
-
-
-def test_commas_of_thousands_beside_decimal_points_are_refused():
-    milli = G * GRAVITY * 1e3
-    text = table(SIGNAL.times, milli, "time [s];ax [mm/s2];az [mm/s2]", ";", "{:,.0f}")
-    told = refused(text, Recording(normal="az"))
-    assert told.startswith("time: column 'time' has '0.0'")
-    assert "normal: column 'az' has '" in told
-    assert "one of the two marks separates thousands" in told
+def test_commas_of_thousands_are_refused():
+    milli, head = np.abs(G) * GRAVITY * 1e3, "time [ms];ax [mm/s2];az [mm/s2]"
+    text = table(np.arange(800), milli, head, ";", "{:,.0f}")
     swapped = text.replace(",", "#").replace(".", ",").replace("#", ".")
-    assert "one of the two marks separates thousands" in refused(swapped, Recording(normal="az"))
+    for one in (text, swapped):  # beside decimals of the times
+        assert "one of the two marks separates thousands" in refused(one, Recording(normal="az"))
+    whole = text.replace(".0;", ";")  # without decimals anywhere
+    assert "thousands are separated" in refused(whole, Recording(normal="az"))
 
 
-def test_commas_of_thousands_are_refused_without_decimals_anywhere():
-    milli = np.abs(G) * GRAVITY * 1e3
-    text = table(np.arange(800), milli, "time [ms];ax [mm/s2];az [mm/s2]", ";", "{:,.0f}")
-    text = "\n".join(line.replace(".0;", ";") for line in text.split("\n"))
-    assert "thousands are separated" in refused(text, Recording(normal="az"))
+# --- decimal marks
 
 
 @pytest.mark.parametrize(
@@ -199,14 +182,12 @@ def test_marks_of_one_column(cells, fine):
 
 
 def test_observations_have_one_decimal_mark(tmp_path):
-    path = tmp_path / "runs.csv"
-    path.write_text("amplitude [mm];conveying_velocity [mm/s]\n0.1;1,234\n0.2;2,345\n")
+    path, head = tmp_path / "runs.csv", "amplitude [mm];conveying_velocity [mm/s]\n"
+    path.write_text(head + "0.1;1,234\n0.2;2,345\n")
     with pytest.raises(StudyError, match="one of the two marks separates thousands"):
         read_rows(path)
-    path.write_text("amplitude [mm];conveying_velocity [mm/s]\n0,1;1,234\n0,2;2,345\n")
+    path.write_text(head + "0,1;1,234\n0,2;2,345\n")
     assert read_rows(path)[0] == {"amplitude": "0.1 mm", "conveying_velocity": "1.234 mm/s"}
-    path.write_text('amplitude,friction\n"0,1",0.3\n')
-    assert read_rows(path) == [{"amplitude": "0,1", "friction": 0.3}]
 
 
 # --- gravity
@@ -220,16 +201,10 @@ def along_normal(along, normal):
 @pytest.mark.parametrize(
     ("values", "unit", "says"),
     [
-        (
-            G * [[1], [-1]],
-            "g",
-            "normal channel is -1 g (and 0.00 g along): the channel points down",
-        ),
+        (G * [[1], [-1]], "g", "is -1 g (and 0.00 g along): the channel points down"),
         (along_normal(0.0, 0.5), "g", "normal channel is 0.5 g"),
-        (along_normal(0.0, -0.5), "g", "normal channel is -0.5 g"),
         (G[::-1], "g", "along channel is 1 g (and 0.00 g normal): gravity belongs to the normal"),
         (G, "m/s2", "it would be 1 g if the values were in g rather than in m s-2"),
-        (G * GRAVITY, "g", "it would be 1 g if the values were in m s-2 rather than in g"),
         (G * GRAVITY, "mm/s2", "commas that separate thousands"),
         (G * 1e3, "g", "it would be 1 g if the values were a thousandth"),
         (along_normal(0.6, 0.8), "g", "the track would climb by 37 degrees"),
@@ -243,12 +218,10 @@ def test_constants_that_contradict_gravity_are_refused(values, unit, says):
 def test_one_channel_is_compared_with_gravity_too():
     assert "gravity belongs to the normal channel" in refused(plain(G), Recording(along="az"))
     assert "points downwards" in refused(plain(G), Recording(normal="-az"))
-    fit_drive(plain(G), Recording(along="ax"))
 
 
 @pytest.mark.parametrize(
-    ("along", "normal"),
-    [(0.0, 0.0), (0.02, -0.05), (0.0, 1.05), (np.sin(0.2), np.cos(0.2)), (-0.1, 0.95)],
+    ("along", "normal"), [(0.0, 0.0), (0.02, -0.05), (np.sin(0.2), np.cos(0.2))]
 )
 def test_tilt_offsets_and_sensors_without_constants_are_allowed(along, normal):
     is_true(fit_drive(plain(along_normal(along, normal)), Recording(along="ax", normal="az")))
@@ -259,9 +232,7 @@ def test_three_axes_show_a_sensor_upside_down_and_turning_it_mends_it():
     values = np.vstack([G[:1], across, -G[1:]])
     text = table(SIGNAL.times, values, "time [s],ax [g],ay [g],az [g]")
     told = refused(text, Recording(sensor=("ax", "ay", "az")))
-    assert "points downwards" in told
     assert "a minus sign in front of the column's name" in told
-    is_true(fit_drive(text, Recording(sensor=("ax", "ay", "-az"))))
     is_true(fit_drive(text, Recording(sensor=("ax", "-ay", "az"), mounting=(0, 0, 180))))
 
 
@@ -274,64 +245,61 @@ def study(text, **parameters):
     }  # fmt: skip
 
 
-def test_a_stated_climb_is_where_gravity_belongs():
-    steep = plain(along_normal(np.sin(0.6), np.cos(0.6)))
-    with pytest.raises(StudyError, match="the track would climb by 34 degrees"):
-        prepare_content(study(steep))
-    assert prepare_content(study(steep, gamma="34.4 deg")).questions == ()
-    (asked,) = prepare_content(study(plain(along_normal(np.sin(0.2), np.cos(0.2))))).questions
-    assert "climbs by 11.5 degrees, the study computes with gamma = 0 degrees" in asked
-
-
 def test_times_in_whole_milliseconds_are_even_and_a_gap_is_none():
     """A recorder of 800 samples a second that writes whole milliseconds has steps of 1 and 2."""
     signal = signal_of(TRUE, rate=800.0, count=800)
     values = signal.accelerations / GRAVITY + np.array([[0.0], [1.0]])
     is_true(fit_drive(table(np.floor(signal.times * 1e3), values, "time_ms,ax,az"), AX_AZ))
-    gap = np.r_[0:280, 520:800]
-    assert "not evenly spaced" in refused(table(signal.times[gap], values[:, gap]))
     lost = np.sort(np.random.default_rng(1).choice(800, 640, replace=False))
-    assert "not evenly spaced" in refused(table(signal.times[lost], values[:, lost]))
+    for kept in (np.r_[0:280, 520:800], lost):
+        assert "not evenly spaced" in refused(table(signal.times[kept], values[:, kept]))
 
 
 # --- what a feeder can be
 
 
-def test_fitted_numbers_are_judged_as_typed_ones():
-    drive = study(table(SIGNAL.times * 1e3, head="time [s],ax [g],az [g]"))
-    (asked,) = prepare_content(drive).questions
-    assert asked.startswith(
-        "frequency = 0.05 Hz, fitted to data, is unusual; usual values are 1 to"
-    )
-    assert asked.endswith("With times in ms it would be 50 Hz.")
-    with pytest.warns(UserWarning, match="With times in ms it would be 50 Hz"):
-        vibrafeed.study(drive)
-    slow = study(plain(G * 100 * [[1.0], [0.0]] + [[0.0], [1.0]]))
-    (asked,) = prepare_content(slow).questions
-    assert asked.startswith("amplitude_along_1 = 30 mm, fitted to data, is unusual; usual values")
+@pytest.mark.parametrize(
+    ("text", "parameters", "words"),
+    [
+        (plain(G), {}, ()),
+        (table(SIGNAL.times * 1e3, head="time [s],ax [g],az [g]"), {},
+         ("frequency = 0.05 Hz, fitted to data, is unusual; usual values are 1 to",
+          "With times in ms it would be 50 Hz.")),
+        (plain(G * 100 * [[1.0], [0.0]] + [[0.0], [1.0]]), {},
+         ("amplitude_along_1 = 30 mm, fitted to data, is unusual; usual values",)),
+        # Where gravity belongs.
+        (plain(along_normal(np.sin(0.2), np.cos(0.2))), {},
+         ("climbs by 11.5 degrees, the study computes with gamma = 0 degrees",)),
+        (plain(along_normal(np.sin(0.6), np.cos(0.6))), {"gamma": "34.4 deg"}, ()),
+    ],
+)  # fmt: skip
+def test_fitted_numbers_are_judged_as_typed_ones(text, parameters, words):
+    asked = prepare_content(study(text, **parameters)).questions
+    assert len(asked) == bool(words)
+    assert all(word in asked[0] for word in words)
 
 
 def test_channels_that_do_not_move_as_a_feeder_does_are_asked_about():
     """Along and across were mixed up: 0 mm/s, and nobody was told."""
     noise = np.random.default_rng(1).normal(0.0, 1e-3, SIGNAL.times.size)
     text = table(SIGNAL.times, [G[0], noise, G[1]], "time [s],ax [g],ay [g],az [g]")
-
-    def asked(**channels):
-        return prepare_content({**study(""), "drive": {"data": text, **channels}}).questions
-
     along, normal = (
         f"the recording's {axis} channel shows no motion of the drive. Is it the right column?"
         for axis in ("along", "normal")
     )
-    across = "the recording moves most across the track. Are the names of the channels, or the "
-    assert asked(along="ay", normal="az") == (along,)
-    assert asked(along="ax", normal="ay") == (normal,)
-    for channels in (
-        {"along": "ay", "across": "ax", "normal": "az"},
-        {"sensor": ["ay", "-ax", "az"]},
+    across = (
+        "the recording moves most across the track. Are the names of the channels, or the "
+        "mounting, right?"
+    )
+    for channels, expected in (
+        ({"along": "ay", "normal": "az"}, (along,)),
+        ({"along": "ax", "normal": "ay"}, (normal,)),
+        ({"along": "ay", "across": "ax", "normal": "az"}, (along, across)),
+        ({"sensor": ["ay", "-ax", "az"]}, (along, across)),
+        ({"sensor": ["ax", "ay", "az"]}, ()),
     ):
-        assert asked(**channels) == (along, across + "mounting, right?")
-    assert asked(along="ax", normal="az") == asked(sensor=["ax", "ay", "az"]) == ()
+        content = {**study(""), "drive": {"data": text, **channels}}
+        assert prepare_content(content).questions == expected
     level = table(SIGNAL.times, [G[0], 1.0 + noise], "time [s],ax [g],az [g]")
     assert prepare_content(study(level)).questions == ()  # gravity shows that it is the normal one
 
@@ -341,26 +309,18 @@ def test_observed_numbers_are_judged_as_typed_ones(tmp_path):
     path.write_text("amplitude,conveying_velocity [mm/s]\n" + "0.3,20\n0.4,30\n")
     (asked,) = questions({"observations": read_rows(path)})
     assert asked.startswith("amplitude = 0.4 means 400 mm; usual values are")
-    path.write_text("amplitude [mm],conveying_velocity [mm/s]\n" + "0.3,20\n0.4,30\n")
-    assert questions({"observations": read_rows(path)}) == []
-
-
-def test_the_speed_is_the_one_of_the_drive():
-    text = table(SIGNAL.times * 1e3, head="time_ms,ax [g],az [g]")
-    speed = vibrafeed.simulate(study(text)).conveying_velocity
-    assert float(speed) == pytest.approx(56.6e-3, abs=0.05e-3)
 
 
 # --- the line of the stroke
 
 
-@pytest.mark.parametrize("lag", [0.0, 0.6, 1.5, 2.5, np.pi])
+@pytest.mark.parametrize("lag", [0.0, 0.6, 1.5, np.pi])
 def test_the_stroke_is_the_longest_way_of_the_track(lag):
     fit = fit_drive(plain(signal_of({**TRUE, "normal": [(1e-4, -lag)]}).accelerations / GRAVITY),
                     Recording(along="ax", normal="az"))  # fmt: skip
     places = fit.displacement(np.linspace(0, 2 * np.pi, 20_001)).T
     sizes = np.hypot(*places.T)
     farthest = places[sizes.argmax()] * np.sign(places[sizes.argmax()][0])
-    assert fit.stroke.major == pytest.approx(sizes.max(), rel=1e-6)
-    assert fit.stroke.minor == pytest.approx(sizes.min(), abs=1e-7)
-    assert fit.stroke.angle == pytest.approx(np.arctan2(*farthest[::-1]), abs=1e-3)
+    expected = [sizes.max(), sizes.min(), np.arctan2(*farthest[::-1])]
+    found = [fit.stroke.major, fit.stroke.minor, fit.stroke.angle]
+    assert (np.abs(np.subtract(found, expected)) < [1e-9, 1e-7, 1e-3]).all()

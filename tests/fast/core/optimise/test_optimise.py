@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from pathlib import Path
 
@@ -11,7 +10,6 @@ import pytest
 
 import vibrafeed
 from night import spread
-from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study, tabulate
 from vibrafeed.core.optimise import METHODS
@@ -24,7 +22,7 @@ from vibrafeed.core.plots.style import Options
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, REGIMES
 from vibrafeed.core.watch import Watch
 
-CONFIGS = sorted((Path(__file__).parents[4] / "configs").glob("optimise-*.toml"))
+CONFIGS = Path(__file__).parents[4] / "configs"
 # The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
 DATA = {"frequency": 60, "amplitude": "0.1 mm", "friction": 0.5, "gravity": 9.8}
 
@@ -44,12 +42,6 @@ def solved(**change):
     return run_study(parse_study(content(**change)))
 
 
-def problems(**change) -> dict[str, str]:
-    with pytest.raises(StudyError) as caught:
-        prepare_content(content(**change))
-    return {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
-
-
 def status(dataset) -> str:
     (name,) = [n for n, v in STATUS.items() if v == int(dataset.optimum_status)]
     return name
@@ -65,18 +57,17 @@ def test_the_dataset_tells_everything():
         constraints=[{"output": "throw_number", "upper": 0.5}],
     )
     assert dataset.sizes == {"friction": 2, "gamma": 3}
-    assert {"objective", "acceleration_x", "acceleration_y", "throw_number"} <= set(dataset)
-    for name in ("limit", "floor_contact", "throw_number_upper"):
-        assert {f"margin_{name}", f"binds_{name}"} <= set(dataset)
-    for name in ("alpha_lower", "alpha_upper", "beta_lower", "beta_upper"):
-        assert f"binds_{name}" in dataset
-    assert dataset.best_beta.attrs["long_name"].startswith("Best ")
+    limits = ("limit", "floor_contact", "throw_number_upper")
+    assert {
+        "objective", "acceleration_x", "acceleration_y", "throw_number",
+        *(f"margin_{name}" for name in limits), *(f"binds_{name}" for name in limits),
+        *(f"binds_{angle}_{end}" for angle in ("alpha", "beta") for end in ("lower", "upper")),
+    } <= set(dataset)  # fmt: skip
     assert dataset.best_beta.attrs["units"] == "degree"
     assert dataset.objective.attrs["output"] == "acceleration_x"
     assert list(dataset.optimum_status.attrs["flag_values"]) == list(range(len(OPTIMUM_STATUSES)))
     assert dataset.binds_limit.attrs["flag_meanings"] == " ".join(BINDS)
-    for key in ("criterion", "method", "message", "elapsed_seconds", "study", "study_sha256"):
-        assert dataset.attrs[key]
+    assert {"method", "message", "elapsed_seconds", "study", "study_sha256"} <= set(dataset.attrs)
     assert dataset.attrs["criterion"] == "largest acceleration_x with |acceleration_y| <= 0.5 m s-2"
     # Where it binds the margin is nothing, and the throw number its bound.
     tight = dataset.binds_throw_number_upper.values == 1
@@ -87,42 +78,36 @@ def test_the_dataset_tells_everything():
     assert (dataset.optimum_gap < 1e-8).all()
 
 
-def test_a_message_says_what_came_out():
-    message = solved().attrs["message"]
-    assert message.startswith("optimal: ")
-    assert "alpha = 4." in message
-    assert message.endswith("binding: limit")
-
-
-def test_a_batch_is_its_single_designs():
-    parameters = {**DATA, "friction": [0.2, 0.4, 0.8], "amplitude": [5e-5, 1e-4, 4e-4]}
-    for change in (
+@pytest.mark.parametrize(
+    "change",
+    [
         {},
         {"criterion": {"kind": "weighted", "weight": 0.3}},
         {"method": "search"},
         {"criterion": {"kind": "pareto", "points": 5}},
-    ):
-        batch = solved(parameters=parameters, **change)
-        for mu, amplitude in itertools.product(parameters["friction"], parameters["amplitude"]):
-            one = solved(parameters={**DATA, "friction": mu, "amplitude": amplitude}, **change)
-            same = batch.sel(friction=mu, amplitude=amplitude)
-            for name in ("best_alpha", "best_beta", "objective", "optimum_status"):
-                np.testing.assert_array_equal(same[name], one[name], err_msg=name)
+    ],
+)
+def test_a_batch_is_its_single_designs(change):
+    parameters = {**DATA, "friction": [0.2, 0.8], "amplitude": [5e-5, 4e-4]}
+    batch = solved(parameters=parameters, **change)
+    for mu, amplitude in ((0.2, 4e-4), (0.8, 5e-5)):
+        one = solved(parameters={**DATA, "friction": mu, "amplitude": amplitude}, **change)
+        same = batch.sel(friction=mu, amplitude=amplitude)
+        for name in ("best_alpha", "best_beta", "objective", "optimum_status"):
+            np.testing.assert_array_equal(same[name], one[name], err_msg=name)
 
 
 @pytest.mark.parametrize("method", spread(METHODS, 6))
 def test_every_method_finds_the_best_elevation(method):
     # alpha given, the limit of no concern: beta = atan(mu) (theory 12.1) needs full azimuth.
-    change = {
-        "criterion": {"kind": "maximise"},
-        "parameters": {**DATA, "alpha": 0},
-        "method": None if method == "exact" else method,  # its closed forms are for both angles
-    }
-    dataset = solved(**change)
+    dataset = solved(
+        criterion={"kind": "maximise"},
+        parameters={**DATA, "alpha": 0},
+        method=None if method == "exact" else method,  # its closed forms are for both angles
+    )
     # 26.565 deg; at a smooth top the angle is known to the square root of the objective's error.
     assert float(dataset.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=0.02)
     assert abs(float(dataset.optimum_gap)) < 1e-6
-    assert dataset.sizes == {}
     assert "best_alpha" not in dataset
 
 
@@ -139,20 +124,17 @@ def test_frequency_and_amplitude_can_be_variables():
         constraints=[{"output": "throw_number", "upper": 0.9}],
     )
     assert int(dataset.binds_throw_number_upper) == 1
-    w = 2 * np.pi * float(dataset.best_frequency)
-    drive = float(dataset.best_amplitude) * w * w
-    assert drive * np.sin(np.radians(20)) == pytest.approx(0.9 * 9.8, rel=1e-8)
-    floor = 9.8 - drive * np.sin(np.radians(20))
-    expected = drive * np.cos(np.radians(20)) - 0.3 * floor
-    assert float(dataset.objective) == pytest.approx(expected, rel=1e-12)
+    drive = float(dataset.best_amplitude) * (2 * np.pi * float(dataset.best_frequency)) ** 2
+    up, along = drive * np.sin(np.radians(20)), drive * np.cos(np.radians(20))
+    assert up == pytest.approx(0.9 * 9.8, rel=1e-8)
+    assert float(dataset.objective) == pytest.approx(along - 0.3 * (9.8 - up), rel=1e-12)
 
 
 def test_a_constraint_on_the_absolute_value_is_the_limit():
-    one = solved()
-    two = solved(
-        criterion={"kind": "maximise"},
-        constraints=[{"output": "acceleration_y", "absolute": True, "upper": 0.5}],
-    )
+    limit = {"output": "acceleration_y", "absolute": True, "upper": 0.5}
+    one, two = solved(), solved(criterion={"kind": "maximise"}, constraints=[limit])
+    assert one.attrs["message"].startswith("optimal: ")
+    assert one.attrs["message"].endswith("binding: limit")
     assert two.attrs["method"] == "search"
     assert float(two.objective) == pytest.approx(float(one.objective), rel=1e-9)
     assert int(two.binds_acceleration_y_absolute_upper) == 1
@@ -161,32 +143,35 @@ def test_a_constraint_on_the_absolute_value_is_the_limit():
 def test_bounds_of_the_angles_are_kept_and_told():
     within = {"alpha": {"lower": 10, "upper": 20}, "beta": {"lower": 0, "upper": 5}}
     dataset = solved(variables=within, criterion={"kind": "maximise"})
-    best = (float(dataset.best_alpha), float(dataset.best_beta))
-    assert best == pytest.approx((10.0, 5.0), rel=1e-15)
-    assert (int(dataset.binds_alpha_lower), int(dataset.binds_beta_upper)) == (1, 1)
+    names = ("best_alpha", "best_beta", "binds_alpha_lower", "binds_beta_upper")
+    found = [float(dataset[name]) for name in names]
+    assert found == pytest.approx([10.0, 5.0, 1, 1], rel=1e-15)
     assert dataset.attrs["method"] == "search"
 
 
 def test_floor_contact_can_be_given_up():
-    strong = {**DATA, "amplitude": "0.5 mm"}
-    kept = solved(criterion={"kind": "maximise"}, parameters=strong)
-    free = solved(criterion={"kind": "maximise"}, parameters=strong, floor_contact=False)
+    kept, free = (
+        solved(
+            criterion={"kind": "maximise"},
+            parameters={**DATA, "amplitude": "0.5 mm"},
+            floor_contact=contact,
+        )
+        for contact in (True, False)
+    )
     # The thesis's own answer, atan(mu), is beyond lift-off (theory 12.1).
     assert float(free.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-9)
-    assert int(free.regime) == REGIMES["flight"].value
-    assert int(kept.regime) == REGIMES["slip"].value
-    assert int(kept.binds_floor_contact) == 1
-    assert float(kept.margin_floor_contact) == 0
     assert float(kept.best_beta) < float(free.best_beta)
+    told = int(free.regime), int(kept.regime), int(kept.binds_floor_contact)
+    assert told == (REGIMES["flight"].value, REGIMES["slip"].value, 1)
+    assert float(kept.margin_floor_contact) == 0
 
 
 def test_the_fastest_true_motion():
-    dataset = run_study(load_study(next(path for path in CONFIGS if "velocity" in path.stem)))
+    dataset = run_study(load_study(CONFIGS / "optimise-velocity.toml"))
     # By a plain grid of the simulated motion: 0.17 m/s near 22 deg, far beyond lift-off (7.9 deg).
     assert float(dataset.best_beta) == pytest.approx(21.8, abs=0.1)
     assert float(dataset.throw_number) > 2
     assert abs(float(dataset.optimum_gap)) < 1e-2
-    assert dataset.attrs["motion_method"] == "events"
 
 
 def test_a_small_feasible_corner_is_searched_as_a_whole():
@@ -206,13 +191,9 @@ def test_a_small_feasible_corner_is_searched_as_a_whole():
 
 def test_a_drive_just_strong_enough_moves_the_part():
     # Friction holds the part at all but a few angles: the choice matters.
-    least = 0.5 * 9.8 / np.sqrt(1.25)
-    amplitude = 1.0005 * least / (2 * np.pi * 60) ** 2
-    dataset = solved(
-        variant="physical",
-        criterion={"kind": "maximise"},
-        parameters={**DATA, "amplitude": amplitude},
-    )
+    amplitude = 1.0005 * 0.5 * 9.8 / np.sqrt(1.25) / (2 * np.pi * 60) ** 2
+    parameters = {**DATA, "amplitude": amplitude}
+    dataset = solved(variant="physical", criterion={"kind": "maximise"}, parameters=parameters)
     assert status(dataset) == "optimal"
     assert float(dataset.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
 
@@ -228,84 +209,56 @@ def test_knees():
 
 
 def test_a_front_and_its_knee_are_drawn():
-    parameters = {**DATA, "friction": [0.3, 0.5]}
-    dataset = solved(parameters=parameters, criterion={"kind": "pareto", "points": 20})
+    dataset = solved(
+        parameters={**DATA, "friction": [0.3, 0.5]}, criterion={"kind": "pareto", "points": 20}
+    )
+    assert (dataset.front_points == 20).all()
+    assert "no trade-off" not in dataset.attrs["message"]
     figure = landscape.draw(dataset, Options(kind="front"))
-    (axes,) = figure.axes
-    curves = [line for line in axes.lines if len(line.get_xdata()) == 20]
-    assert len(curves) == 2
-    np.testing.assert_array_equal(curves[0].get_ydata(), dataset.acceleration_x[0])
+    curves = [line for line in figure.axes[0].lines if len(line.get_xdata()) == 20]
+    for curve, values in zip(curves, dataset.acceleration_x, strict=True):
+        np.testing.assert_array_equal(curve.get_ydata(), values)
     names = [text.get_text() for text in figure.legends[0].get_texts()]
     assert names[:2] == ["friction 0.3", "friction 0.5"]
-    assert names[2].startswith("knee")
 
 
-def test_a_landscape_shows_optimum_and_limits():
-    dataset = solved(parameters={**DATA, "friction": [0.3, 0.5]})
-    figure = landscape.draw(dataset, Options(at={"friction": 0.5}))
-    axes = figure.axes[0]
-    names = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert names == ["edge of limit", "edge of floor contact", "faint: excluded", "optimum"]
-    (star,) = [line for line in axes.lines if line.get_marker() == "*"]
-    assert star.get_xdata()[0] == dataset.best_beta.values[1]
-    assert star.get_ydata()[0] == dataset.best_alpha.values[1]
-
-
-def test_a_landscape_of_one_variable_is_a_curve():
-    dataset = solved(parameters={**DATA, "alpha": 0, "friction": [0.2, 0.4, 0.6]})
-    figure = landscape.draw(dataset, Options())
-    assert "friction\N{NO-BREAK SPACE}0.4" in figure.axes[0].get_title(loc="left")  # the middle
-    curve, star = figure.axes[0].lines
-    assert star.get_xdata()[0] == dataset.best_beta.values[1]
-    assert star.get_ydata()[0] == pytest.approx(dataset.acceleration_x.values[1], rel=1e-3)
-    assert len(curve.get_xdata()) == 721
-
-
-def test_what_cannot_be_drawn_is_refused():
-    with pytest.raises(PlotError, match="no front"):
-        landscape.draw(solved(), Options(kind="front"))
-    with pytest.raises(PlotError, match="not ranged"):
-        landscape.draw(solved(), Options(at={"gamma": 1}))
-    with pytest.raises(PlotError, match="not the result of an optimisation"):
-        landscape.draw(solved().drop_vars("optimum_status"), Options(kind="front"))
+@pytest.mark.parametrize(
+    ("options", "left_out", "words"),
+    [
+        (Options(kind="front"), (), "no front"),
+        (Options(at={"gamma": 1}), (), "not ranged"),
+        (Options(kind="front"), ("optimum_status",), "not the result of an optimisation"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(options, left_out, words):
+    with pytest.raises(PlotError, match=words):
+        landscape.draw(solved().drop_vars(left_out), options)
 
 
 # --- no optimum
 
 
-def test_a_drive_too_weak_to_move():
-    for method in (None, "search", "scipy"):
-        dataset = solved(
-            variant="physical",
-            criterion={"kind": "maximise"},
-            parameters={**DATA, "amplitude": "1 um"},
-            method=method,
-        )
-        assert status(dataset) == "no_motion"
+@pytest.mark.parametrize("method", [None, "search", "scipy"])
+def test_a_drive_too_weak_to_move(method):
+    parameters = {**DATA, "amplitude": "1 um"}
+    change = {"variant": "physical", "criterion": {"kind": "maximise"}, "method": method}
+    assert status(solved(**change, parameters=parameters)) == "no_motion"
 
 
 def test_a_part_that_only_slides_back_is_not_one_that_rests():
     """So flat a drive carries nothing up a climb of 5 degrees, and something along the level."""
-    parameters = {"frequency": 50, "amplitude": "0.1 mm", "friction": 0.2}
+    plane = {"scene": "rectangle-on-plane", "frequency": 50, "amplitude": "0.1 mm", "friction": 0.2}
     dataset = vibrafeed.optimise(
-        scene="rectangle-on-plane",
         criterion={"kind": "maximise", "output": "conveying_velocity"},
-        variables={"beta": {"lower": 0, "upper": 10}},
-        gamma=[0, 5],
-        **parameters,
-    )
-    known = {flag.value: name for name, flag in OPTIMUM_STATUSES.items()}
-    assert [known[int(one)] for one in dataset.optimum_status] == ["optimal", "only_backward"]
-    assert float(dataset.objective[1]) < -float(dataset.objective_error[1])
-    beta = float(dataset.best_beta[1])
+        variables={"beta": {"lower": 0, "upper": 10}}, gamma=[0, 5], **plane,
+    )  # fmt: skip
+    assert [status(dataset.isel(gamma=k)) for k in range(2)] == ["optimal", "only_backward"]
+    back = dataset.isel(gamma=1)
+    assert float(back.objective) < -float(back.objective_error)
     held = vibrafeed.simulate(
-        scene="rectangle-on-plane",
-        outputs=["conveying_velocity"],
-        gamma=5,
-        beta=beta,
-        **parameters,
+        outputs=["conveying_velocity"], gamma=5, beta=float(back.best_beta), **plane
     )
-    assert float(held.conveying_velocity) == pytest.approx(float(dataset.objective[1]))
+    assert float(held.conveying_velocity) == pytest.approx(float(back.objective))
 
 
 def test_a_worst_case_that_goes_backwards_is_no_optimum_without_a_word():
@@ -345,35 +298,33 @@ def test_bounds_that_exclude_everything(method):
         method=method,
     )
     assert status(dataset) == "infeasible"
-    assert np.isnan(dataset.best_beta)
-    assert np.isnan(dataset.objective)
+    assert np.isnan([dataset.best_beta, dataset.objective]).all()
     assert int(dataset.regime) == REGIMES["not_assessed"].value
-    assert "not_assessed" in dataset.regime.attrs["flag_meanings"]
     assert dataset.attrs["message"].startswith("infeasible: no choice keeps")
 
 
 @pytest.mark.parametrize("method", spread(["search", "scipy"], 1))
 def test_outputs_without_a_value(method):
     # In flight the floor's resultant is nowhere: NaN would end scipy's differential evolution.
-    change = {
-        "variant": "physical",
-        "criterion": {"kind": "maximise", "output": "pressure_offset_x"},
-        "parameters": {**DATA, "amplitude": "0.5 mm", "height": "10 mm", "length": "20 mm"},
-        "floor_contact": False,
-        "method": method,
-    }
-    nowhere = solved(**change, variables={"beta": {"lower": 30, "upper": 90}})
-    assert status(nowhere) == "no_value"
-    partly = solved(**change, variables={"beta": {"lower": 0, "upper": 90}})
-    assert status(partly) == "optimal"
+    nowhere, partly = (
+        solved(
+            variant="physical",
+            criterion={"kind": "maximise", "output": "pressure_offset_x"},
+            parameters={**DATA, "amplitude": "0.5 mm", "height": "10 mm", "length": "20 mm"},
+            floor_contact=False,
+            method=method,
+            variables={"beta": {"lower": lower, "upper": 90}},
+        )
+        for lower in (30, 0)
+    )
+    assert (status(nowhere), status(partly)) == ("no_value", "optimal")
     # Sliding: mu times half the height, theory 4.4.
     assert float(partly.objective) == pytest.approx(0.5 * 0.005, rel=1e-9)
 
 
 @pytest.mark.parametrize("method", ["search", "scipy"])
 def test_what_was_never_begun_is_not_computed(method):
-    study = parse_study(content(method=method))
-    dataset = run_study(study, watch=Watch(deadline=0.0))
+    dataset = run_study(parse_study(content(method=method)), watch=Watch(deadline=0.0))
     assert status(dataset) == "not_computed"
 
 
@@ -381,34 +332,26 @@ def test_a_study_that_is_stopped_keeps_what_is_finished():
     told: list[float] = []
     prepared = prepare_content(content(parameters={**DATA, "friction": [0.3, 0.5]}, method="scipy"))
     watch = Watch(told.append, lambda: sum(told) >= 0.5 * (1 - 1e-9))  # the first is half
-    table = tabulate(prepared, watch)
-    statuses = table.variables["optimum_status"].values
-    assert statuses.tolist() == [STATUS["optimal"], STATUS["not_computed"]]
-    assert np.isnan(table.variables["best_beta"].values[1])
+    dataset = tabulate(prepared, watch).to_xarray()
+    told = [status(dataset.isel(friction=k)) for k in range(2)]
+    assert told == ["optimal", "not_computed"]
+    assert np.isnan(dataset.best_beta).values.tolist() == [False, True]
 
 
-def test_a_motion_that_is_stopped_amid_a_design_leaves_it_not_computed():
-    """Its last points have no value, since they were not followed: nothing is known of it."""
-    asked = []
-
-    def stop() -> bool:
-        asked.append(1)
-        return len(asked) > 20
-
-    prepared = prepare_content(
-        {
-            "kind": "optimise",
-            "scene": "rectangle-on-plane",
-            "method": "scipy",
-            "criterion": {"kind": "maximise", "output": "conveying_velocity"},
-            "variables": {"beta": {"lower": 0, "upper": 90}},
-            "parameters": {"frequency": 50, "amplitude": "0.3 mm", "friction": [0.2, 0.5]},
-        }
-    )
-    table = tabulate(prepared, Watch(stop=stop))
-    statuses = table.variables["optimum_status"].values
-    assert statuses.tolist() == [STATUS["not_computed"]] * 2
-    assert np.isnan(table.variables["objective"].values).all()
+@pytest.mark.parametrize("method", ["search", "scipy"])
+def test_the_bar_moves_within_a_design_and_ends_at_its_end(method):
+    study = content(
+        method=method, variant="physical",
+        criterion={"kind": "minimise", "output": "vibration_acceleration"},
+        constraints=[{"output": "acceleration_x", "lower": "5 m/s^2"}],
+        variables={"amplitude": {"lower": "0.01 mm", "upper": "1 mm"}},
+        parameters={"frequency": 50, "friction": 0.3, "gamma": 2, "beta": 20},
+    )  # fmt: skip
+    told: list[float] = []
+    tabulate(prepare_content(study), Watch(told.append))
+    assert sum(told) == pytest.approx(1)
+    assert 0 <= min(told) <= max(told) < 0.9
+    assert sum(share > 0 for share in told) > 10
 
 
 # --- what the user does not know, and what matters
@@ -434,12 +377,6 @@ class TestRobust:
         assert float(robust.best_beta) == pytest.approx(float(known.best_beta), abs=3e-3)
         assert "in the worst case over friction from 0.3 to 0.5" in robust.attrs["criterion"]
 
-    def test_the_mean_of_a_linear_output_is_that_of_the_middle(self):
-        robust = solved(**uncertain(robust="mean"))
-        parameters = {**DATA, "friction": 0.4}
-        known = solved(criterion={"kind": "maximise"}, parameters=parameters, method="search")
-        assert float(robust.objective) == pytest.approx(float(known.objective), rel=1e-9)
-
     def test_constraints_hold_over_the_whole_interval(self):
         limit = {"kind": "limit", "limit": "0.5 m/s^2"}
         robust = solved(**uncertain(criterion=limit))
@@ -449,43 +386,6 @@ class TestRobust:
             study = {"kind": "sweep", "scene": "rectangle-on-plane", "variant": "thesis",
                      "outputs": ["acceleration_y"], "parameters": parameters}  # fmt: skip
             assert abs(float(run_study(parse_study(study)).acceleration_y)) <= 0.5 + 1e-6
-
-    def test_several_are_worst_in_a_corner_of_their_box(self):
-        both = {"friction": {"lower": 0.3, "upper": 0.5}, "gamma": {"lower": 0, "upper": 3}}
-        robust = solved(**uncertain(uncertain=both))
-        corner = {**DATA, "friction": 0.5, "gamma": 3}
-        known = solved(criterion={"kind": "maximise"}, parameters=corner, method="search")
-        assert float(robust.objective) == pytest.approx(float(known.objective), rel=1e-9)
-        assert "gamma from 0 to 3 degree, friction from 0.3 to 0.5" in robust.attrs["criterion"]
-
-    def test_a_quantile_is_that_of_the_quantile_of_one_parameter(self):
-        normal = {"friction": {"mean": 0.4, "deviation": 0.03}}
-        beta = {"variables": {"beta": {"lower": 0, "upper": 90}}}
-        straight = {**uncertain()["parameters"], "alpha": 0}
-        asked = {**uncertain(uncertain=normal, parameters=straight), **beta}
-        robust = solved(**asked, robust="quantile", quantile=0.05)
-        parameters = {**straight, "friction": 0.4 + 1.6448536 * 0.03}
-        known = solved(criterion={"kind": "maximise"}, parameters=parameters, **beta)
-        # More friction, less acceleration. Of 64 points the quantile is off by a part of a gap.
-        assert float(robust.objective) == pytest.approx(float(known.objective), rel=5e-3)
-        mean = solved(**asked, robust="mean")
-        middle = {**straight, "friction": 0.4}
-        at_middle = solved(criterion={"kind": "maximise"}, parameters=middle, **beta)
-        assert float(mean.objective) == pytest.approx(float(at_middle.objective), rel=1e-3)
-        assert "friction about 0.4" in mean.attrs["criterion"]
-
-    def test_wrong_intervals(self):
-        names = ("friction", "gamma", "amplitude", "frequency", "gravity", "alpha", "beta")
-        many = {name: {"lower": 0.3, "upper": 0.5} for name in names}
-        assert "Keep the 6" in problems(**uncertain(uncertain=many, parameters={}))["uncertain"]
-        assert "0.05" in problems(**uncertain(robust="quantile"))["quantile"]
-        assert (
-            "only robust = 'quantile' uses it" in problems(**uncertain(quantile=0.05))["quantile"]
-        )
-        assert "parameters" in problems(**uncertain(parameters=DATA))["uncertain.friction"]
-        assert "trade-off" in problems(**uncertain(criterion={"kind": "pareto"}))["uncertain"]
-        assert "no parameter is uncertain" in problems(robust="mean")["robust"]
-        assert "closed form" in problems(**uncertain(method="exact"))["method"]
 
 
 class TestSensitivities:
@@ -506,16 +406,11 @@ class TestSensitivities:
 
     def test_a_variable_that_only_a_constraint_needs_has_none(self):
         """A0 (2 pi f)^2 does not know beta; the study was refused once its answers were there."""
-        gentle = load_study(CONFIGS[0].parent / "optimise-minimise.toml")
+        gentle = load_study(CONFIGS / "optimise-minimise.toml")
         found = run_study(gentle.model_copy(update={"sensitivities": True}))
         np.testing.assert_array_equal(found.sensitivity_beta, 0.0)
         np.testing.assert_allclose(found.sensitivity_amplitude, 1, rtol=1e-9)
         np.testing.assert_allclose(found.sensitivity_frequency, 2, rtol=1e-9)
-
-    def test_those_of_a_smooth_optimum_by_its_own_variables_are_0(self):
-        found = solved(criterion={"kind": "maximise"}, variant="thesis", sensitivities=True,
-                       parameters={**DATA, "amplitude": "0.05 mm"})  # fmt: skip
-        assert float(found.sensitivity_beta) == pytest.approx(0, abs=1e-7)
 
     def test_an_optimum_on_the_edge_of_a_contact_is_derived_from_inside(self):
         """At the best angles the wall carries nothing: a larger amplitude takes the part off it."""
@@ -537,29 +432,8 @@ class TestSensitivities:
         by_alpha = P * np.cos(beta) * (mu * np.cos(alpha) - np.sin(alpha))
         np.testing.assert_allclose(found.sensitivity_alpha, alpha * by_alpha / a_x, rtol=1e-8)
 
-    def test_a_motion_on_the_edge_of_its_regime_is_derived_from_inside(self):
-        """The best part that never flies flies at a larger amplitude; slower ones are compared."""
-        asked = {
-            "variant": None, "criterion": {"kind": "maximise", "output": "conveying_velocity"},
-            "constraints": [{"output": "flight_fraction", "upper": 0.0}],
-            "variables": {"beta": {"lower": 5, "upper": 60}},
-        }  # fmt: skip
-        parameters = {"frequency": 50, "amplitude": "0.2 mm", "friction": 0.4}
-        found = solved(**asked, parameters=parameters, sensitivities=True)
-        point = {"amplitude": np.array([1.0, 1 - 1e-7]) * 2e-4, "beta": float(found.best_beta)}
-        moved = run_study(
-            parse_study({
-                "kind": "simulate", "scene": "rectangle-on-plane",
-                "outputs": ["conveying_velocity"],
-                "parameters": {**parameters, **point, "amplitude": point["amplitude"].tolist()},
-            })
-        )  # fmt: skip
-        log = np.log(np.sort(moved.conveying_velocity.values))
-        expected = (log[1] - log[0]) / np.log(1 / (1 - 1e-7))
-        assert float(found.sensitivity_amplitude) == pytest.approx(expected, rel=1e-5)
-
     def test_motion_is_derived_inside_its_regime(self):
-        found = run_study(load_study(CONFIGS[0].parent / "optimise-robust.toml"))
+        found = run_study(load_study(CONFIGS / "optimise-robust.toml"))
         # v/(g/w) depends on p = A0 w^2/g alone: d ln v/d ln f = 2 d ln v/d ln A0 - 1.
         np.testing.assert_allclose(
             found.sensitivity_frequency, 2 * found.sensitivity_amplitude - 1, atol=1e-3
@@ -586,32 +460,13 @@ def test_a_front_without_a_trade_off_is_one_point_and_says_so():
         "is reached at the largest acceleration_x"
     )
     best = front.isel(frequency=1, front=0)
-    alpha, beta, gamma, delta = (
-        math.radians(float(best[name])) for name in ("best_alpha", "best_beta", "gamma", "delta")
-    )
-    # The drive just unloads the wall: P cos(beta) sin(alpha) = g cos(gamma) sin(delta).
-    peak = 0.05e-3 * (2 * math.pi * 50) ** 2
-    unloads = 9.80665 * math.cos(gamma) * math.sin(delta)
-    assert peak * math.cos(beta) * math.sin(alpha) == pytest.approx(unloads, rel=1e-6)
-    assert math.degrees(alpha) == pytest.approx(10.4, abs=0.05)
     assert abs(float(best.acceleration_y)) < 1e-9
-
-
-def test_a_front_with_a_trade_off_has_as_many_points_as_asked_for():
-    front = solved(variant="thesis", criterion={"kind": "pareto", "points": 7})
-    assert (front.front_points == 7).all()
-    assert "no trade-off" not in front.attrs["message"]
-
-
-def test_the_choice_without_a_trade_off_is_drawn_over_the_designs():
-    parameters = {**ON_TRACK["parameters"], "amplitude": ["0.05 mm", "0.1 mm"]}
-    front = vibrafeed.optimise({**ON_TRACK, "parameters": parameters})
+    # The drive just unloads the wall: P cos(beta) sin(alpha) = g cos(gamma) sin(delta).
+    alpha, beta = np.deg2rad(best.best_alpha), np.deg2rad(best.best_beta)
+    peak = 0.05e-3 * (2 * math.pi * 50) ** 2
+    unloads = 9.80665 * math.cos(math.radians(2)) * math.sin(math.radians(5))
+    assert float(peak * np.cos(beta) * np.sin(alpha)) == pytest.approx(unloads, rel=1e-6)
+    # It is drawn over the designs.
     figure = vibrafeed.plot(front)
     assert "No trade-off" in figure.get_suptitle()
-    alpha, beta = figure.axes
-    assert "azimuth" in alpha.get_ylabel()
-    assert "elevation" in beta.get_ylabel()
-    assert alpha.lines[0].get_ydata() == pytest.approx(front.best_alpha[:, 0].values)
-    held = vibrafeed.plot(front, at={"amplitude": "0.1 mm"})
-    told = held.legends[0].get_texts()[0].get_text()
-    assert told.startswith("best in both: alpha 5.18")
+    assert figure.axes[0].lines[0].get_ydata()[1] == pytest.approx(float(best.best_alpha))

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from benchmarks.evaluate import grid_of, plan_of, traceable
+from benchmarks.evaluate import traceable
+from fused_loops import check_same_bits
+from night import NIGHT
 from plans import make_plan
 from vibrafeed.core.plan import evaluate as door
 from vibrafeed.core.plan import program
-from vibrafeed.core.plan.evaluate import Fused, empty_results, evaluate, evaluate_in_blocks
+from vibrafeed.core.plan.evaluate import Fused, evaluate
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.trace import Graph, UntraceableError, traced
@@ -28,59 +30,19 @@ UNTRACED = {
     ("row-on-plane", "platoons"): "a sum over the parts",
 }
 """The variants of which numpy keeps some outputs, and why."""
-SHORT = {("soft-contact", "physical")}
-"""Those whose outputs depend on so few parameters that no loop is worth while."""
 
-BY_DAY = {
-    ("rectangle-isolated", "thesis"), ("cylinder-isolated", "derived"),
-    ("cylinder-pair-impact", "moreau"), ("cone-on-plane", "physical"),
-    ("bowl-drive-unit", "measured"), ("row-on-plane", "bend"),
-}  # fmt: skip
-"""Those whose loops take the compiler 1 to 4 s; others, of up to 13 s, are for the night."""
 
 VARIANTS = [
-    pytest.param(name, variant, marks=[] if (name, variant) in BY_DAY else [pytest.mark.night])
+    (name, variant)
     for name, scene in SCENES.items()
     for variant in scene.variants
+    if NIGHT or name != "orienting-line"  # whose outputs take seconds
 ]
 
 
-def assert_same_bits(got, expected):
-    for name, values in expected.items():
-        # Of two zeros of different sign numpy itself takes either, by the width of its registers.
-        np.testing.assert_array_equal(got[name], values, err_msg=name)
-
-
-def both_ways(plan: Plan, grid: Grid, threads: int | None = None):
-    expected, got = empty_results(plan, grid), empty_results(plan, grid)
-    with np.errstate(all="ignore"):
-        evaluate_in_blocks(plan, grid, expected)
-    Fused(plan, traced(plan, grid.axes), grid).run(got, threads)
-    return got, expected
-
-
-@pytest.fixture
-def few_cells(monkeypatch):
-    """Let loops take what numpy otherwise would because it is small."""
-    for module in (program, door):
-        monkeypatch.setattr(module, "FEW_CELLS", 200)
-    for cached in (program.edge_of, program.program_of):
-        cached.cache_clear()
-    yield
-    for cached in (program.edge_of, program.program_of):
-        cached.cache_clear()
-
-
-@pytest.mark.usefixtures("few_cells")
 @pytest.mark.parametrize(("name", "variant"), VARIANTS)
-def test_loops_give_the_bits_of_numpy(name, variant):
-    ways = traceable(name, variant)
-    assert bool(ways[False]) == ((name, variant) in UNTRACED), ways[False]
-    plan = plan_of(name, variant, tuple(ways[True]))
-    grid = grid_of(plan, 60_000, seed=1)
-    assert Fused(plan, traced(plan, grid.axes), grid).sources or (name, variant) in SHORT
-    got, expected = both_ways(plan, grid)
-    assert_same_bits(got, expected)
+def test_what_numpy_keeps_is_listed(name, variant):
+    assert bool(traceable(name, variant)[False]) == ((name, variant) in UNTRACED)
 
 
 TRACK = ("frequency", "amplitude", "alpha", "beta", "friction", "radius", "distance", "speed")
@@ -100,19 +62,34 @@ def track(outputs: tuple[str, ...], **values) -> tuple[Plan, Grid]:
     return plan, Grid.of(axes)
 
 
-@pytest.mark.parametrize("task", [600, 5_000, 1 << 20])
-@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize(("threads", "task"), [(1, 600), (3, 5_000), (3, 1 << 20)])
 def test_bits_do_not_depend_on_threads_or_tasks(monkeypatch, threads, task):
     monkeypatch.setattr(door, "TASK_CELLS", task)
     monkeypatch.setattr(door, "COLUMN_CELLS", task)
     # Numpy takes the arc of a stop between loops; the distances are short and long ones.
     spans = {"speed": (0.0, 0.2, 3), "distance": (1e-4, 0.3, 2), "beta": (5, 60, 6)}
     plan, grid = track(("travel_time", "stopping_time"), **spans)
+    got = check_same_bits(plan, grid, threads)
     done: list[float] = []
-    got, expected = both_ways(plan, grid, threads)
-    assert_same_bits(got, expected)
     Fused(plan, traced(plan, grid.axes), grid).run(got, threads, done.append)
     assert sum(done) == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    ("outputs", "step", "less", "more", "known"),
+    [
+        # Short distances need no logarithms; a part that starts from rest needs one root.
+        ("travel_time", "binade(", {"speed": 0.3, "distance": 2e-4},
+         {"speed": 0.3, "distance": 0.3}, 0),
+        ("transport_velocity", "sqrt(", {"speed": 0.0}, {"speed": 0.3}, 1),
+    ],
+)  # fmt: skip
+def test_steps_that_values_make_superfluous_are_left_out(outputs, step, less, more, known):
+    few, many = (
+        "".join(Fused(plan, traced(plan, grid.axes), grid).sources).count(step)
+        for plan, grid in (track((outputs,), **given) for given in (less, more))
+    )
+    assert few == known < many
 
 
 @pytest.mark.parametrize("shape", [(100_003,), (40_009, 3), (3, 40_009), (2, 2, 2, 2, 2, 5_003)])
@@ -124,25 +101,7 @@ def test_long_and_short_axes(shape):
     axes = {n: (*values[n], count) for n, count in zip(chosen, shape, strict=True)}
     middle = {n: sum(values[n]) / 2 for n in names if n not in chosen}
     plan, grid = track(("transport_velocity", "throw_number"), **middle, **axes)
-    assert_same_bits(*both_ways(plan, grid))
-
-
-def test_short_distances_need_no_logarithms():
-    short, long = (
-        "\n".join(Fused(plan, traced(plan, grid.axes), grid).sources)
-        for plan, grid in (track(("travel_time",), speed=0.3, distance=x) for x in (2e-4, 0.3))
-    )
-    assert "binade(" not in short
-    assert "binade(" in long
-
-
-def test_a_part_that_starts_from_rest_needs_one_root():
-    moving, resting = (
-        "\n".join(Fused(plan, traced(plan, grid.axes), grid).sources)
-        for plan, grid in (track(("transport_velocity",), speed=v) for v in (0.3, 0.0))
-    )
-    assert resting.count("sqrt(") == 1
-    assert moving.count("sqrt(") == 2
+    check_same_bits(plan, grid)
 
 
 def test_one_loop_serves_studies_that_differ_in_their_numbers():
@@ -173,14 +132,14 @@ def test_steps_that_change_nothing_are_left_out():
 @pytest.mark.parametrize(
     "step",
     [
-        lambda x: float(x),
+        float,
         lambda x: x if x > 0 else -x,
         lambda x: x**2,
         lambda x: x.ndim,
         lambda x: x[0],
         lambda x: np.stack([x, x]),
-        lambda x: np.add.reduce(x),
-        lambda x: np.asarray(x),
+        np.add.reduce,
+        np.asarray,
         lambda x: x * np.arange(3.0),
     ],
 )
@@ -191,18 +150,11 @@ def test_what_is_not_elementwise_does_not_trace(step):
 
 def test_loops_are_compiled_once_numpy_has_worked_as_long(monkeypatch):
     monkeypatch.setattr(door, "_seen", door.defaultdict(int))
-    monkeypatch.setattr(door, "COMPILED_FROM", 300_000)
-    monkeypatch.setattr(door, "CACHED_FROM", 300_000)
+    for name in ("COMPILED_FROM", "CACHED_FROM"):
+        monkeypatch.setattr(door, name, 300_000)
     monkeypatch.setattr(program, "_compiled", set())
-    ran: list[int] = []
-    run = Fused.run
-
-    def counted(self, *given):
-        ran.append(len(ran))
-        run(self, *given)
-
-    monkeypatch.setattr(Fused, "run", counted)
+    run, ran = Fused.run, []
+    monkeypatch.setattr(Fused, "run", lambda *given: ran.append(1) or run(*given))
     plan, grid = track(("transport_velocity",))  # 33,264 cells: 3 ms of numpy
-    asked = [bool(evaluate(plan, grid)) and len(ran) for _ in range(11)]
-    assert asked[:9] == [0] * 9
-    assert asked[9] == 1
+    asked = [bool(evaluate(plan, grid)) and len(ran) for _ in range(10)]
+    assert asked == [*[0] * 9, 1]

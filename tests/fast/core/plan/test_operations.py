@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import ast
+import itertools
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import vibrafeed.core.plan
-from precise import DIGITS_OF, Number, Precise
+from precise import DIGITS_OF, Number
 from vibrafeed.core.mechanics.arrays import (
     arc_quotient,
     arc_series,
@@ -19,9 +17,7 @@ from vibrafeed.core.mechanics.arrays import (
 )
 from vibrafeed.core.mechanics.rolling import slip_share
 from vibrafeed.core.plan.trace import IN_LOOPS
-from vibrafeed.core.quantities import QUANTITIES
 
-ROOT = Path(vibrafeed.core.plan.__file__).parent
 POINTS = {1: [(0.35,), (0.62,)], 2: [(0.35, 0.62), (0.62, 0.35)]}
 OWN_POINTS = {  # of functions of ours, whose arguments belong together
     np.ldexp: [(0.35, 2), (0.62, -3)],
@@ -37,81 +33,43 @@ BETWEEN_LOOPS = (
 AT_EDGES = [0.0, -0.0, 1.0, -1.5, 3e-300, math.inf, -math.inf, math.nan]
 
 
-def name(function):
-    return function.__name__
-
-
 def points(function):
     return OWN_POINTS.get(function) or POINTS[function.nin]
 
 
-def choose(condition, one, other):
-    return one if condition else other
-
-
-def divided(expression, values):
+def of_loop(expression, values):
     """Return what a loop gives, with the quotients of a processor in place of Python's errors."""
     words = {"sqrt": np.sqrt, "abs": abs, "copysign": math.copysign, "inf": math.inf}
     words |= {"binade": binade, "exponent": exponent}
-    kinds = [v if isinstance(v, bool) else np.float64(v) for v in values]
-    with np.errstate(all="ignore"):
-        return eval(
-            expression.format(*(f"v[{k}]" for k in range(3))),
-            words | {"v": kinds, "choose": choose},
-        )
+    words["choose"] = lambda condition, one, other: one if condition else other
+    words["v"] = [v if isinstance(v, bool) else np.float64(v) for v in values]
+    return eval(expression.format("v[0]", "v[1]", "v[2]"), words)
 
 
-@pytest.mark.parametrize("function", [one for one in IN_LOOPS if one is not np.where], ids=name)
+@pytest.mark.parametrize(
+    "function", [one for one in IN_LOOPS if one is not np.where], ids=lambda one: one.__name__
+)
 def test_a_loop_has_the_bits_of_numpy(function):
     is_logical = function in (np.bitwise_and, np.bitwise_or, np.invert)
     edges = [False, True] if is_logical else AT_EDGES
-    pairs = [(x, y) for x in edges for y in edges] if function.nin == 2 else [(x,) for x in edges]
-    for values in pairs:
+    for values in itertools.product(edges, repeat=function.nin):
         with np.errstate(all="ignore"):
-            want = function(*values)
-        got = divided(IN_LOOPS[function], values)
-        if isinstance(want, bool | np.bool_):
-            assert bool(got) == bool(want), values
-        elif np.isnan(want):
-            assert np.isnan(got), values
-        elif function in (np.maximum, np.minimum):  # which of two zeros, numpy does not say
-            assert got == want, values
-        else:
-            assert np.float64(got).tobytes() == np.float64(want).tobytes(), values
+            want = np.asarray(function(*values))
+            got = np.asarray(of_loop(IN_LOOPS[function], values), dtype=want.dtype)
+        np.testing.assert_array_equal(got, want, err_msg=str(values))
+        # Of NaN the bits are free; which of two zeros is the larger, numpy does not say.
+        if want.dtype == float and function not in (np.maximum, np.minimum):
+            assert np.isnan(want) or np.signbit(got) == np.signbit(want), values
 
 
 @pytest.mark.parametrize(
     "function",
-    [one for one in (*IN_LOOPS, *BETWEEN_LOOPS) if name(one) in DIGITS_OF],
-    ids=name,
+    [one for one in (*IN_LOOPS, *BETWEEN_LOOPS) if one.__name__ in DIGITS_OF],
+    ids=lambda one: one.__name__,
 )
 def test_digits_begin_as_numpy_does(function):
     for values in points(function):
         got = function(*(Number(v) if isinstance(v, float) else v for v in values))
-        want = function(*values)
-        if isinstance(want, np.bool_):
-            assert bool(got) == bool(want)
-        else:
-            assert float(got.value) == pytest.approx(float(want), rel=1e-14)
-
-
-def test_numbers_and_arrays_of_them_meet_the_same_rows():
-    array = np.array([Number(0.25), Number(4.0)], dtype=object).view(Precise)
-    assert [float(x.value) for x in np.sqrt(array) * 2.0 + Number(1)] == [2.0, 5.0]
-    assert (array > Number(1)).tolist() == [False, True]
-    array *= Number(2)
-    assert [float(x.value) for x in array] == [0.5, 8.0]
-    with pytest.raises(TypeError, match="spacing is not known to 50 digits"):
-        np.spacing(Number(1))
-
-
-def test_the_plan_knows_no_parameter_by_name():
-    """What is said of single parameters and outputs stands in the tables of scenes."""
-    parameters = {name for name, quantity in QUANTITIES.items() if quantity.parameter}
-    named = {
-        (path.name, node.value)
-        for path in ROOT.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text()))
-        if isinstance(node, ast.Constant) and node.value in parameters
-    }
-    assert not named
+        assert float(getattr(got, "value", got)) == pytest.approx(
+            float(function(*values)), rel=1e-14
+        )

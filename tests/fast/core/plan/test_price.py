@@ -54,38 +54,18 @@ class Motions:
         return {one.gives: moved for one in plan.equations}
 
 
-@pytest.mark.parametrize("repeat_after", [5.0, 20.0, 700.0])
-def test_a_motion_that_repeats_is_priced_as_measured(monkeypatch, repeat_after):
-    Motions(monkeypatch, 1e-6, repeat_after)
-    found = prepare_content(study(friction=frictions(10**6))).price
-    assert found.cell == pytest.approx(MARGIN * 1e-6 * repeat_after)
-    assert found.start == pytest.approx(MARGIN * CALL, rel=1e-6)
-
-
-@pytest.mark.parametrize("a_period", [1e-6, 1e-4, 1e-2])
-def test_what_never_repeats_is_priced_for_all_its_periods(monkeypatch, a_period):
+@pytest.mark.parametrize(
+    ("a_period", "least", "most"),
+    [(1e-6, 0.7, 1.3), (1e-2, 0.7, 1.3),  # the budget cuts one cell
+     (10.0, BUDGET * 100 / 1e6, 1.3)],  # of 1,000 periods, 8 took the budget
+)  # fmt: skip
+def test_what_never_repeats_is_priced_for_all_its_periods(monkeypatch, a_period, least, most):
     motions = Motions(monkeypatch, a_period)
     content = study(friction=frictions(10**6)) | {"max_periods": 100_000}
     cell = prepare_content(content).price.cell
-    assert cell == pytest.approx(MARGIN * a_period * 100_000, rel=0.3)  # the budget cuts one cell
+    assert least < cell / (MARGIN * a_period * 100_000) < most
     assert motions.now < 8 * BUDGET
-    assert max(count for count, _ in motions.asked) == SAMPLED
-
-
-def test_a_period_beyond_the_budget_is_not_waited_for(monkeypatch):
-    motions = Motions(monkeypatch, 10.0)
-    prepared = prepare_content(study(friction=frictions(10**6)))
-    assert prepared.price.cell > MARGIN * BUDGET * 100  # of 1,000 periods, 8 took the budget
-    assert motions.now < 8 * BUDGET
-
-
-def test_it_is_sampled_once_and_parts_have_the_price_of_the_whole(monkeypatch):
-    motions = Motions(monkeypatch, 1e-6, 20.0)
-    prepared = prepare_content(study(friction=frictions(1000)))
-    assert prepared.seconds == prepared.seconds
-    asked = len(motions.asked)
-    assert prepared.seconds_a_cell == prepared.price.cell
-    assert len(motions.asked) == asked
+    assert max(count for count, _ in motions.asked) <= SAMPLED
 
 
 @pytest.mark.parametrize("repeat_after", [20.0, np.inf])
@@ -109,8 +89,9 @@ def test_an_axis_that_no_motion_depends_on_makes_no_more_motions(monkeypatch):
 def test_sampled_cells_are_evenly_spread_and_the_same_again():
     axes = {"friction": frictions(1000), "gamma": {"start": -2, "stop": 2, "num": 1000}}
     prepared = prepare_content(study(**axes))
-    sampled = [module._spread_cells(prepared.plan, prepared.grid, {}) for _ in range(2)]
-    (known, count, share), (again, *_) = sampled
+    (known, count, share), (again, *_) = (
+        module._spread_cells(prepared.plan, prepared.grid, {}) for _ in range(2)
+    )
     assert (count, share) == (SAMPLED, 1.0)
     assert all(np.array_equal(known[name], again[name]) for name in known)
     halves = np.array([known["friction"] > 0.4, known["gamma"] > 0])
@@ -151,11 +132,8 @@ def test_without_compiled_code_nothing_is_simulated(monkeypatch):
 
 def test_closed_forms_have_a_fixed_price_of_a_cell_at_any_size():
     # 10^24 cells: an axis of them alone would take 800 MB.
-    axes = {
-        "frequency": {"start": 20, "stop": 120, "num": 10**8},
-        "amplitude": {"start": 1e-4, "stop": 1e-3, "num": 10**8},
-        "beta": {"start": 5, "stop": 60, "num": 10**8},
-    }
+    ends = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "beta": (5, 60)}
+    axes = {name: {"start": a, "stop": b, "num": 10**8} for name, (a, b) in ends.items()}
     content = {
         "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"],
         "parameters": {**axes, "friction": 0.3},
@@ -164,7 +142,17 @@ def test_closed_forms_have_a_fixed_price_of_a_cell_at_any_size():
     try:
         prepared = prepare_content(content)
         assert prepared.seconds == MARGIN * prepared.plan.scene.seconds_a_cell * 1e24
-        _, most = tracemalloc.get_traced_memory()
+        assert tracemalloc.get_traced_memory()[1] < 2e7  # bytes; what libraries keep is some 10^6
     finally:
         tracemalloc.stop()
-    assert most < 2e7  # bytes; what the libraries keep for a study is some 10^6
+
+
+@pytest.mark.parametrize("repeat_after", [5.0, 700.0])
+def test_a_motion_that_repeats_is_priced_as_measured_and_once(monkeypatch, repeat_after):
+    motions = Motions(monkeypatch, 1e-6, repeat_after)
+    prepared = prepare_content(study(friction=frictions(10**6)))
+    assert prepared.price.cell == pytest.approx(MARGIN * 1e-6 * repeat_after)
+    assert prepared.price.start == pytest.approx(MARGIN * CALL, rel=1e-6)
+    asked = len(motions.asked)
+    assert prepared.seconds_a_cell == prepared.price.cell  # parts have the price of the whole
+    assert len(motions.asked) == asked

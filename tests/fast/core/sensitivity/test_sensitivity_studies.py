@@ -1,27 +1,25 @@
-"""Studies of uncertain parameters: closed cases, laws, and what a study may say."""
+"""Studies of uncertain parameters: closed cases, laws, indices, and what a study may say."""
 
 from __future__ import annotations
 
 import json
-import threading
 
 import numpy as np
 import pytest
 import xarray
 from scipy import stats
-from typer.testing import CliRunner
+from scipy.stats import sobol_indices as of_scipy
 
 import vibrafeed
-from local_client import local_client
-from vibrafeed.app.cli import app
-from vibrafeed.app.main import create_app
-from vibrafeed.app.settings import Settings
+from benchmarks.sobol_indices import FUNCTIONS, sobol_indices
 from vibrafeed.core.errors import StoppedError, StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import KINDS, tabulate
 from vibrafeed.core.plan.pieces import Cut, join
+from vibrafeed.core.report import check
 from vibrafeed.core.sensitivity.budget import Budget
-from vibrafeed.core.study.distributions import quantiles, read_distribution
+from vibrafeed.core.sensitivity.indices import design, indices_of
+from vibrafeed.core.study.distributions import read_distribution
 from vibrafeed.core.watch import Watch
 
 PLANE = {
@@ -55,38 +53,27 @@ def sensitive(content=PLANE, /, **change):
     return vibrafeed.sensitivity({**content, **change})
 
 
-def problems(**change) -> dict[str, str]:
-    with pytest.raises(StudyError) as caught:
-        prepare_content({"kind": "sensitivity", **PLANE, **change})
-    return {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
-
-
 # --- closed cases
 
 
 def test_the_probability_of_a_closed_form_is_that_of_its_normal_friction():
-    normal = stats.norm(0.3, 0.02)
-    at = [0.28, 0.31]
-    known = vibrafeed.sweep(
-        scene=PLANE["scene"], outputs="acceleration_x", friction=at, **PLANE["parameters"]
+    normal, at = stats.norm(0.3, 0.02), [0.28, 0.31]
+    frictions = sorted([*at, *normal.ppf([0.05, 0.5, 0.95])])  # the two are second and fourth
+    every = vibrafeed.sweep(
+        scene=PLANE["scene"], outputs="acceleration_x", friction=frictions, **PLANE["parameters"]
     ).acceleration_x.values
+    known, of_quantiles = every[1::2], every[::-2]
     for friction, level in zip(at, known, strict=True):
         # More friction, less acceleration: as likely as that the friction is below.
         demand = {"output": "acceleration_x", "at_least": float(level)}
         found = sensitive(demands=[demand], samples=4096)
         error = float(found.probability_acceleration_x_at_least_error)
-        expected = normal.cdf(friction)
-        assert float(found.probability_acceleration_x_at_least) == pytest.approx(
-            expected, abs=1.5 * error
-        )
+        probability = float(found.probability_acceleration_x_at_least)
+        assert probability == pytest.approx(normal.cdf(friction), abs=1.5 * error)
         assert error < 0.005
-    quantiles = found.acceleration_x_quantile.values
-    expected = vibrafeed.sweep(
-        scene=PLANE["scene"], outputs="acceleration_x",
-        friction=sorted(normal.ppf([0.05, 0.5, 0.95])), **PLANE["parameters"],
-    ).acceleration_x.values[::-1]  # fmt: skip
-    assert quantiles == pytest.approx(expected, abs=2e-3)
-    assert (np.abs(quantiles - expected) <= 2 * found.acceleration_x_quantile_error.values).all()
+    away = np.abs(found.acceleration_x_quantile.values - of_quantiles)
+    assert away.max() <= 2e-3
+    assert (away <= 2 * found.acceleration_x_quantile_error.values).all()
     # It is linear in friction: one parameter, all of the variance, and a budget without error.
     slope = (known[1] - known[0]) / 0.03
     assert found.acceleration_x_linear.values == pytest.approx([slope * 0.06], rel=1e-4)
@@ -100,61 +87,43 @@ def test_the_probability_of_a_motion_is_that_of_formula_q():
     found = sensitive(LEVEL_WAVE, demands=[demand], analyses=["distribution", "budget"])
     assert float(found.conveying_velocity_nominal) == pytest.approx(0.015882857, abs=5e-10)
     error = float(found.probability_conveying_velocity_at_least_error)
-    expected = stats.norm(0.3, 0.03).cdf(0.32)
-    assert float(found.probability_conveying_velocity_at_least) == pytest.approx(
-        expected, abs=2 * error
-    )
-    a_k, step = 0.3 * G, 0.09
+    probability = float(found.probability_conveying_velocity_at_least)
+    assert probability == pytest.approx(stats.norm(0.3, 0.03).cdf(0.32), abs=2 * error)
+    a_k = 0.3 * G
     slope = -(1 / (A_M - a_k) + 1 / (A_S + a_k)) * G * speed_of_level_wave(0.3)
-    assert found.conveying_velocity_linear.values == pytest.approx([slope * step], rel=1e-4)
-    least, largest = float(found.conveying_velocity_least), float(found.conveying_velocity_largest)
-    assert [least, largest] == pytest.approx([speed_of_level_wave(0.39), speed_of_level_wave(0.21)],
-                                             rel=1e-4)  # fmt: skip
+    names = [f"conveying_velocity_{word}" for word in ("linear", "least", "largest")]
+    known = [slope * 0.09, speed_of_level_wave(0.39), speed_of_level_wave(0.21)]
+    assert [float(found[name].squeeze()) for name in names] == pytest.approx(known, rel=1e-4)
 
 
 # --- laws
 
 
-def test_monotonic_transformations_commute_with_quantiles():
-    amplitude = {"amplitude": {"lower": "0.1 mm", "most_likely": "0.2 mm", "upper": "0.4 mm"}}
-    parameters = {"frequency": 50, "beta": 20}
-    found = sensitive(
-        outputs=["throw_number"], uncertain=amplitude, parameters=parameters,
-        quantiles=[0.1, 0.5, 0.9], analyses=["distribution"],
-        samples=8192,
-    )  # fmt: skip
-    law = read_distribution("amplitude", amplitude["amplitude"])
-    at = quantiles("amplitude", law, [0.1, 0.5, 0.9])
-    throw = vibrafeed.sweep(
-        scene=PLANE["scene"], outputs="throw_number", amplitude=at, **parameters
-    ).throw_number.values
-    assert found.throw_number_quantile.values == pytest.approx(throw, rel=1e-3)
-
-
 def test_equal_seeds_give_equal_bits_and_others_others():
-    one, same, other = (sensitive(seed=seed) for seed in (0, 0, 1))
+    one, same, other, less = (
+        sensitive(**more) for more in ({}, {}, {"seed": 1}, {"analyses": ["distribution"]})
+    )
     assert one.identical(same.assign_attrs(one.attrs))
     assert float(one.acceleration_x_mean) != float(other.acceleration_x_mean)
-    less = sensitive(analyses=["distribution"])
     assert float(less.acceleration_x_mean) == float(one.acceleration_x_mean)
 
 
 def test_designs_are_told_alike_alone_together_and_in_pieces():
-    gamma = [0, 1, 3]
-    content = {
-        **PLANE, "kind": "sensitivity", "analyses": ["distribution", "sobol", "budget"],
-        "uncertain": {**PLANE["uncertain"], "beta": {"lower": 19, "upper": 21}},
-        "demands": [{"output": "acceleration_x", "at_most": 1.5}],
-    }  # fmt: skip
-    del content["parameters"]
-    drive = {"frequency": 50, "amplitude": "0.1 mm"}
-    prepared = prepare_content({**content, "parameters": {**drive, "gamma": gamma}})
+    def asked(gamma):
+        drive = {"frequency": 50, "amplitude": "0.1 mm", "gamma": gamma}
+        return prepare_content({
+            **PLANE, "kind": "sensitivity", "analyses": ["distribution", "sobol", "budget"],
+            "uncertain": {**PLANE["uncertain"], "beta": {"lower": 19, "upper": 21}},
+            "demands": [{"output": "acceleration_x", "at_most": 1.5}], "parameters": drive,
+        })  # fmt: skip
+
+    prepared = asked([0, 1, 3])
+    assert prepared.seconds > 0
     whole = tabulate(prepared).to_xarray()
-    for place, one in enumerate(gamma):
-        alone = tabulate(prepare_content({**content, "parameters": {**drive, "gamma": one}}))
-        for name, variable in alone.variables.items():
-            part = whole[name].isel(gamma=place).values
-            assert part == pytest.approx(variable.values, rel=1e-12, nan_ok=True), name
+    alone = tabulate(asked(1))
+    for name, variable in alone.variables.items():
+        part = whole[name].isel(gamma=1).values
+        assert part == pytest.approx(variable.values, rel=1e-12, nan_ok=True), name
     pieces, kind = Cut(prepared, 1), KINDS["sensitivity"]
     boxes = [pieces.box(k) for k in range(len(pieces))]
     assert len(boxes) == 3
@@ -169,10 +138,10 @@ def test_designs_are_told_alike_alone_together_and_in_pieces():
 def test_points_without_a_sound_value_are_counted():
     # Lift-off at 0.1 * (2 pi f)^2 sin(beta) = g: near that amplitude half of the points fly.
     edge = 9.80665 / ((2 * np.pi * 50) ** 2 * np.sin(np.deg2rad(20)))
-    fixed = {"frequency": 50, "beta": 20}
+    amplitude = {"amplitude": {"lower": 0.9 * edge, "upper": 1.1 * edge}}
+    fixed = {"frequency": 50, "beta": 20, "friction": 0.3}
     found = sensitive(
-        parameters={**fixed, "friction": 0.3},
-        uncertain={"amplitude": {"lower": 0.9 * edge, "upper": 1.1 * edge}},
+        parameters=fixed, uncertain=amplitude,
         demands=[{"output": "acceleration_x", "at_least": -1e9}, {"regime": "flight"}],
     )  # fmt: skip
     left = float(found.acceleration_x_left_out)
@@ -180,30 +149,25 @@ def test_points_without_a_sound_value_are_counted():
     assert float(found.probability_flight) == left
     assert float(found.probability_acceleration_x_at_least) == 1 - left
     # Of an output that needs no floor nothing is left out.
-    throw = sensitive(
-        parameters=fixed, outputs=["throw_number"],
-        uncertain={"amplitude": {"lower": 0.9 * edge, "upper": 1.1 * edge}},
-    )  # fmt: skip
+    drive = {"frequency": 50, "beta": 20}
+    throw = sensitive(parameters=drive, outputs=["throw_number"], uncertain=amplitude)
     assert float(throw.throw_number_left_out) == 0
-    beyond = sensitive(parameters={**fixed, "friction": 0.3, "beta": 60, "frequency": 200},
-                       uncertain={"amplitude": {"lower": edge, "upper": 2 * edge}})  # fmt: skip
+    beyond = sensitive(parameters={**fixed, "beta": 60, "frequency": 200}, uncertain=amplitude)
     assert float(beyond.acceleration_x_left_out) == 1
-    assert np.isnan(beyond.acceleration_x_mean)
-    assert np.isnan(beyond.acceleration_x_first).all()
+    assert np.isnan([beyond.acceleration_x_mean, *beyond.acceleration_x_first]).all()
 
 
 def test_a_stop_leaves_no_half_answer_and_progress_reaches_the_whole():
-    prepared = prepare_content({"kind": "sensitivity", **LEVEL_WAVE})
-    told, lock = [], threading.Lock()
-
-    def advance(share):
-        with lock:
-            told.append(share)
-
-    tabulate(prepared, Watch(advance))
+    prepared, told = prepare_content({"kind": "sensitivity", **LEVEL_WAVE}), []
+    tabulate(prepared, Watch(told.append))
     assert sum(told) == pytest.approx(1, abs=1e-6)
     with pytest.raises(StoppedError):
         tabulate(prepared, Watch(stop=lambda: True))
+    with pytest.raises(StudyError, match="the error of a study of kind 'sensitivity' is not meas"):
+        check(prepared)
+
+
+HUGE = {"start": 0, "stop": 1, "num": 100_000}
 
 
 def test_a_budget_says_where_the_output_bends_at_once():
@@ -221,105 +185,93 @@ def test_a_budget_says_where_the_output_bends_at_once():
 # --- what a study may say
 
 
-def test_every_error_is_told_with_its_place():
-    both = [{"output": "acceleration_x", "at_least": 2, "at_most": 1}]
-    told = problems(
-        uncertain={"friction": {"mean": 0.3, "devation": 1}, "beta": {"lower": 3}},
-        samples=300, quantiles=[0.5, 1.5], analyses=["sobol", "other"],
-        outputs=["aceleration_x"],
-    )  # fmt: skip
-    assert "deviation" in told["uncertain.friction"]
-    assert "distribution" in told["uncertain.beta"]
-    assert "power of two" in told["samples"]
-    assert "between 0 and 1" in told["quantiles"]
-    assert "Did you mean" in told["outputs"]
-    assert any(place.startswith("analyses") for place in told)
-    assert "Write sobol" in problems(analyses=["morris", "sobol"])["analyses"]
-    told = problems(
-        uncertain={"friction": {"lower": 0.2, "upper": 0.3}, "beta": {"mean": 20, "deviation": 1}},
-        demands=[*both, {}, {"output": "throw_number"}, {"regime": "hopping"}, {"regime": "hoping"},
-                 {"output": "motion_status", "at_most": 1}, {"regime": "slip", "at_most": 1}],
-        verify=3,
-    )  # fmt: skip
-    assert "parameters" in told["uncertain.beta"]
-    assert "Swap" in told["demands.0"]
-    assert "neither" in told["demands.1"]
-    assert "at_least" in told["demands.2"]
-    assert "names as values" in told["demands.5.output"]
-    assert "a regime has no bounds" in told["demands.6"]
-    assert "verify" in told
-    told = problems(demands=[{"regime": "hopping"}, {"regime": "hoping"}])
-    assert "flight" in told["demands.0.regime"]
-    assert "hopping" in told["demands.1.regime"]
-    assert "no parameter is uncertain" in problems(uncertain={})["uncertain"]
-    assert "radius" in str(problems(uncertain={"radius": {"mean": 1, "deviation": 0.1}}))
-    many = {"start": 0, "stop": 1, "num": 100_000}
-    huge = problems(samples=1 << 20, parameters={**PLANE["parameters"], "gamma": many})
-    assert "evaluations at most" in huge["samples"]
-    wide = problems(samples=1 << 20, outputs=["acceleration_x", "throw_number", "drive_number"])
-    assert wide  # more outputs than a design may have, or one that there is not
-
-
-def test_the_command_line_tells_what_matters(tmp_path):
-    study = tmp_path / "tolerances.toml"
-    study.write_text(
-        'kind = "sensitivity"\nscene = "rectangle-on-plane"\noutputs = ["acceleration_x"]\n'
-        "samples = 256\n[uncertain]\nfriction = { mean = 0.3, deviation = 0.02 }\n"
-        'beta = { lower = 19, upper = "21 deg" }\n[[demands]]\noutput = "acceleration_x"\n'
-        'at_least = "1.5 m/s^2"\n[parameters]\nfrequency = "50 Hz"\namplitude = "0.1 mm"\n'
-    )
-    done = CliRunner().invoke(app, ["run", str(study), "-o", str(tmp_path / "told.nc")])
-    assert done.exit_code == 0, done.output
-    words = "probability of acceleration_x at least 1.5 m/s²", "friction matters most", "5 % below"
-    for one in words:
-        assert one in done.output
-    plan = CliRunner().invoke(app, ["run", str(study), "--dry-run"])
-    assert plan.exit_code == 0, plan.output
-    assert "acceleration_x_total" in plan.output
-
-
-def test_the_service_carries_it_out_and_does_not_measure_its_accuracy(tmp_path):
-    study = {**PLANE, "demands": [{"output": "acceleration_x", "at_least": "2 m/s^2"}]}
-    with local_client(create_app(Settings(data_directory=tmp_path))) as client:
-        reply = client.post("/processes/sensitivity/execution", json=study)
-        assert reply.status_code == 200, reply.text
-        asked = {"kind": "sensitivity", **study}
-        refused = client.post("/processes/accuracy/execution", json=asked)
-    told = reply.json()["variables"]
-    called = sensitive(study)
-    for name in ("probability_acceleration_x_at_least", "acceleration_x_mean"):
-        assert told[name]["data"] == float(called[name])
-    assert told["acceleration_x_total"]["dims"] == ["uncertain"]
-    assert reply.json()["coordinates"]["uncertain"]["flags"] == {"friction": 0}
-    assert refused.status_code == 422
-    assert "is not measured" in refused.text
+@pytest.mark.parametrize(
+    ("change", "problems"),
+    [
+        ({"uncertain": {"friction": {"mean": 0.3, "devation": 1}, "beta": {"lower": 3}},
+          "samples": 300, "quantiles": [0.5, 1.5], "analyses": ["sobol", "other"],
+          "outputs": ["aceleration_x"]},
+         {"uncertain.friction": "deviation", "uncertain.beta": "distribution",
+          "samples": "power of two", "quantiles": "between 0 and 1", "outputs": "Did you mean",
+          "analyses": ""}),
+        ({"analyses": ["morris", "sobol"]}, {"analyses": "Write sobol"}),
+        ({"uncertain": {"friction": {"lower": 0.2, "upper": 0.3},
+                        "beta": {"mean": 20, "deviation": 1}},
+          "demands": [{"output": "acceleration_x", "at_least": 2, "at_most": 1}, {},
+                      {"output": "throw_number"}, {"regime": "hopping"}, {"regime": "hoping"},
+                      {"output": "motion_status", "at_most": 1},
+                      {"regime": "slip", "at_most": 1}],
+          "verify": 3},
+         {"uncertain.beta": "parameters", "demands.0": "Swap", "demands.1": "neither",
+          "demands.2": "at_least", "demands.5.output": "names as values",
+          "demands.6": "a regime has no bounds", "verify": ""}),
+        ({"demands": [{"regime": "hopping"}, {"regime": "hoping"}]},
+         {"demands.0.regime": "flight", "demands.1.regime": "hopping"}),
+        ({"uncertain": {}}, {"uncertain": "no parameter is uncertain"}),
+        ({"samples": 1 << 20, "parameters": {**PLANE["parameters"], "gamma": HUGE}},
+         {"samples": "evaluations at most"}),
+    ],
+)  # fmt: skip
+def test_every_error_is_told_with_its_place(change, problems):
+    with pytest.raises(StudyError) as caught:
+        prepare_content({"kind": "sensitivity", **PLANE, **change})
+    told = {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
+    for place, words in problems.items():
+        assert any(one.startswith(place) and words in told[one] for one in told), (place, told)
 
 
 def test_a_calibration_gives_its_density_to_who_has_the_file(tmp_path):
     friction = np.linspace(0.2, 0.4, 41)
     density = stats.norm(0.3, 0.02).pdf(friction) * (abs(friction - 0.3) < 0.07)
-    result = xarray.Dataset(
-        {"density_friction": ("friction", density)}, {"friction": friction}, {"title": "posterior"}
-    )
-    result.to_netcdf(tmp_path / "told.nc")
-    study = tmp_path / "study.json"
-    for named in ("told.nc", str(tmp_path / "told.nc")):
-        content = {
-            **PLANE,
-            "kind": "sensitivity",
-            "uncertain": {"friction": {"calibration": named}},
-        }
+    path, study = tmp_path / "told.nc", tmp_path / "study.json"
+    result = {"density_friction": ("friction", density)}
+    xarray.Dataset(result, {"friction": friction}, {"title": "posterior"}).to_netcdf(path)
+    normal = sensitive()
+    for named in ("told.nc", str(path)):
+        uncertain = {"friction": {"calibration": named}}
+        content = {**PLANE, "kind": "sensitivity", "uncertain": uncertain}
         study.write_text(json.dumps(content))
         found = vibrafeed.sensitivity(study)
-        normal = sensitive()
         for part, within in (("mean", 1e-3), ("deviation", 1e-2)):
             name = f"acceleration_x_{part}"
             assert float(found[name]) == pytest.approx(float(normal[name]), rel=within)
     assert len(found.vibrafeed.study.content()["uncertain"]["friction"]["values"]) < 41
     with pytest.raises(StudyError, match="only the command line and Python read files"):
         prepare_content(content)
-    for wrong, says in (("none.nc", "cannot be read"), (3, "not the path of a file")):
+    for name, wrong, says in (
+        ("friction", "none.nc", "cannot be read"), ("friction", 3, "not the path of a file"),
+        ("beta", named, "It has those of friction"),
+    ):  # fmt: skip
         with pytest.raises(StudyError, match=says):
-            sensitive(uncertain={"friction": {"calibration": wrong}})
-    with pytest.raises(StudyError, match="It has those of friction"):
-        sensitive(uncertain={"beta": {"calibration": named}})
+            sensitive(uncertain={name: {"calibration": wrong}})
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_more_points_come_nearer(name):
+    one = FUNCTIONS[name]
+    found = sobol_indices(one.values, one.inputs, 1 << 13)
+    assert found.first == pytest.approx(one.first, abs=0.02)
+    assert found.total == pytest.approx(one.total, abs=0.03)
+
+
+def test_estimates_are_those_of_scipy():
+    one = FUNCTIONS["ishigami"]
+    at = design(one.inputs, 64, seed=3, replicates=2)
+    values = one.values(at.reshape(one.inputs, -1)).reshape(at.shape[1:])
+    found = indices_of(values)
+    a, b, *ab = values.reshape(len(values), -1)
+    told = of_scipy(func={"f_A": a[None], "f_B": b[None], "f_AB": np.array(ab)[:, None]}, n=128)
+    # scipy takes the mean of a and b together from both as well, and the same products.
+    assert found.first == pytest.approx(told.first_order, abs=1e-12)
+    assert found.total == pytest.approx(told.total_order, abs=1e-12)
+
+
+def test_points_without_a_value_are_left_out_with_all_that_belong_to_them():
+    def holed(x):
+        return np.where(x[0] + x[1] < 0.02, np.nan, x[0] + 2 * x[1])
+
+    found = sobol_indices(holed, 2, 4096)
+    assert found.first == pytest.approx([0.2, 0.8], abs=0.03)
+    constant = sobol_indices(lambda x: np.full(x.shape[1], 3.0), 2, 256)
+    none = sobol_indices(lambda x: np.full(x.shape[1], np.nan), 2, 256)
+    assert np.isnan([*constant.first, *constant.total, *none.first, *none.total]).all()

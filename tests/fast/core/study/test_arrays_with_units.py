@@ -11,8 +11,6 @@ import xarray
 import vibrafeed
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import gather, parse_study
-from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.units import UnitError, read_number
 
 SCENE = {"scene": "rectangle-on-plane", "outputs": ["throw_number"], "beta": 20}
 POINT = {"frequency": 50, "amplitude": "0.3 mm"}
@@ -57,32 +55,25 @@ def test_lengths_in_millimetres_are_converted(values):
     assert parameters(amplitude=values)["amplitude"] == [1e-4, 3e-4]
 
 
-def test_an_array_that_pint_xarray_quantified_keeps_its_unit():
-    pytest.importorskip("pint_xarray")
-    axis = array([0.1, 0.3], "mm", dims="amplitude", name="amplitude")
-    quantified = axis.pint.quantify(unit_registry=UNIT)
-    assert parameters(amplitude=quantified)["amplitude"] == [1e-4, 3e-4]
-    dataset = xarray.Dataset(coords={"amplitude": axis}).pint.quantify(unit_registry=UNIT)
-    assert parameters(amplitude=dataset.amplitude)["amplitude"] == [1e-4, 3e-4]
-
-
 @pytest.mark.parametrize("turned", [array(3000.0, "rpm"), 3000 * PLAIN.rpm, array([3000], "1/min")])
 def test_turns_a_minute_are_read_as_the_text_is(turned):
     assert np.ravel(parameters(frequency=turned)["frequency"]) == [50.0]
 
 
 @pytest.mark.parametrize(
-    "turned", [array([314.159], "rad/s", dims="frequency"), 314.159 * PLAIN.rad / PLAIN.s]
-)
-def test_an_angular_velocity_is_no_frequency(turned):
-    assert "is an angular velocity, not a frequency. Divide the number by 2 pi" in refusal(
-        frequency=turned
-    )
-
-
-@pytest.mark.parametrize(
     ("name", "value", "words"),
     [
+        (
+            "frequency",
+            array([314.159], "rad/s", dims="frequency"),
+            "is an angular velocity, not a frequency. Divide the number by 2 pi",
+        ),
+        ("frequency", 314.159 * PLAIN.rad / PLAIN.s, "is an angular velocity, not a frequency"),
+        (
+            "beta",
+            array([10.0, 20.0], "degree", dims="amplitude"),
+            "its array is along 'amplitude', another parameter",
+        ),
         ("amplitude", array([1.0], "kg"), "'kg' does not measure amplitude"),
         ("amplitude", array([1.0], "1"), "'1' is not a unit"),
         ("amplitude", 0.3 * PLAIN.dimensionless, "does not measure amplitude"),
@@ -103,12 +94,9 @@ def test_what_does_not_fit_is_refused(name, value, words):
 
 
 def test_an_integer_of_thousands_of_digits_is_refused_in_words():
-    words = "it is a number larger than 1.8e308. Fix the value"
-    assert refusal(amplitude=10**5000) == f"parameters.amplitude: {words}."
-    span = {"start": 1, "stop": 2, "num": 10**5000}
-    assert refusal(amplitude=span) == f"parameters.amplitude.num: {words}."
-    with pytest.raises(UnitError, match=r"larger than 1\.8e308 is not a finite number"):
-        read_number("amplitude", QUANTITIES["amplitude"], 10**5000)
+    for value, place in ((10**5000, ""), ({"start": 1, "stop": 2, "num": 10**5000}, ".num")):
+        told = f"parameters.amplitude{place}: it is a number larger than 1.8e308. Fix the value."
+        assert refusal(amplitude=value) == told
 
 
 def test_numbers_in_the_unit_of_a_parameter_stay_numbers():
@@ -118,15 +106,14 @@ def test_numbers_in_the_unit_of_a_parameter_stay_numbers():
 
 def test_arrays_along_one_dimension_are_pairs_and_no_grid():
     runs = [array([1e-4, 3e-4], "m", dims="run"), array([10.0, 20.0], "degree", dims="run")]
-    words = refusal(amplitude=runs[0], beta=runs[1])
-    assert "both along 'run', which makes pairs of their values" in words
-    assert "both along 'run'" in refusal(parameters={"amplitude": runs[0]}, beta=runs[1])
     index = pandas.Index(["a", "b"], name="run")
-    assert "both along 'run'" in refusal(
-        amplitude=pandas.Series([1e-4, 3e-4], index), beta=pandas.Series([10, 20], index)
-    )
-    best = array([10.0, 20.0], "degree", dims="amplitude")
-    assert "its array is along 'amplitude', another parameter" in refusal(beta=best)
+    columns = pandas.Series([1e-4, 3e-4], index), pandas.Series([10, 20], index)
+    for given in (
+        {"amplitude": runs[0], "beta": runs[1]},
+        {"parameters": {"amplitude": runs[0]}, "beta": runs[1]},
+        {"amplitude": columns[0], "beta": columns[1]},
+    ):
+        assert "both along 'run', which makes pairs of their values" in refusal(**given)
     apart = parameters(  # arrays without a name of their dimension, and columns without an index
         amplitude=xarray.DataArray([1e-4, 3e-4]), beta=xarray.DataArray([10.0, 20.0])
     )
@@ -135,11 +122,8 @@ def test_arrays_along_one_dimension_are_pairs_and_no_grid():
 
 def test_ranges_bounds_and_distributions_are_converted():
     mm = PLAIN.mm
-    spans = [
-        {"start": 0.1 * mm, "stop": array(0.3, "mm"), "num": 3},
-        {"start": 0.1 * mm, "stop": 0.3 * mm, "step": np.float64(0.1) * mm},
-    ]
-    for span in spans:
+    ends = {"start": 0.1 * mm, "stop": array(0.3, "mm")}
+    for span in ({**ends, "num": 3}, {**ends, "step": np.float64(0.1) * mm}):
         read = parameters(amplitude=span)["amplitude"]
         assert (read["start"], read["stop"], read["num"]) == (1e-4, 3e-4, 3)
     study = vibrafeed.study(
@@ -149,23 +133,13 @@ def test_ranges_bounds_and_distributions_are_converted():
                      {"output": "conveying_velocity", "lower": array(30.0, "mm/s")}],
         variables={"amplitude": {"lower": 0.1 * mm, "upper": array(0.3, "mm")}},
     )  # fmt: skip
-    content = study.content()
-    assert content["variables"] == {"amplitude": {"lower": 1e-4, "upper": 3e-4}}
+    assert study.content()["variables"] == {"amplitude": {"lower": 1e-4, "upper": 3e-4}}
     assert [one.upper or one.lower for one in study.constraints] == [2.0, 0.03]
     study = vibrafeed.study(
         kind="sensitivity", **SCENE, frequency=50,
         uncertain={"amplitude": {"mean": 0.3 * mm, "deviation": array(10.0, "µm")}},
     )  # fmt: skip
     assert study.content()["uncertain"] == {"amplitude": {"mean": 3e-4, "deviation": 1e-5}}
-
-
-def test_a_value_to_look_at_may_be_a_quantity():
-    for value in (20 * PLAIN.degree, array(20.0, "degree"), np.float32(20), np.int64(20)):
-        assert read_number("beta", QUANTITIES["beta"], value) == 20.0
-    dataset = vibrafeed.sweep(**{**SCENE, "beta": [10, 20]}, frequency=50, amplitude=[1e-4, 3e-4])
-    assert vibrafeed.plot(dataset, axes="beta", at={"amplitude": 0.3 * PLAIN.mm})
-    with pytest.raises(vibrafeed.VibrafeedError, match="does not measure amplitude"):
-        vibrafeed.plot(dataset, axes="beta", at={"amplitude": 0.3 * PLAIN.s})
 
 
 def test_observations_are_columns_of_tables_and_datasets():
@@ -190,24 +164,24 @@ def test_rates_convert_arrays_that_carry_a_unit():
     velocity = array([30.0, 60.0], "mm/s", dims="beta", coords={"beta": [10, 20]})
     rate = vibrafeed.parts_per_minute(velocity=velocity, length=12 * PLAIN.mm, gap=0.003)
     np.testing.assert_allclose(rate, [120.0, 240.0], rtol=1e-15)
-    assert rate.beta.values.tolist() == [10, 20]
-    assert vibrafeed.velocity_for(
+    back = vibrafeed.velocity_for(
         parts_per_minute=2 / PLAIN.s, length=12 * PLAIN.mm, gap=array(3.0, "mm")
-    ) == pytest.approx(0.03, rel=1e-15)
+    )
+    assert back == pytest.approx(0.03, rel=1e-15)
     with pytest.raises(StudyError, match="does not measure conveying velocity"):
         vibrafeed.parts_per_minute(velocity=array([1.0], "m s-2"), length=0.01)
 
 
 def test_the_axis_of_a_posterior_may_have_another_unit(tmp_path):
-    beta = array(np.radians([18.0, 20.0, 22.0]), "rad", dims="beta")
-    density = xarray.Dataset({"density_beta": ("beta", [0.0, 1.0, 0.0])}, {"beta": beta})
-    density.to_netcdf(tmp_path / "told.nc")
-    told = {"beta": {"calibration": str(tmp_path / "told.nc")}}
-    scene = {"scene": "rectangle-on-plane", "outputs": ["throw_number"]}
-    study = vibrafeed.study(kind="sensitivity", **scene, **POINT, uncertain=told)
-    values = study.content()["uncertain"]["beta"]["values"]
+    def read(values, unit):
+        density = ("beta", [0.0, 1.0, 0.0])
+        beta = array(values, unit, dims="beta")
+        xarray.Dataset({"density_beta": density}, {"beta": beta}).to_netcdf(tmp_path / "told.nc")
+        told = {"beta": {"calibration": str(tmp_path / "told.nc")}}
+        scene = {"scene": "rectangle-on-plane", "outputs": ["throw_number"]}
+        return vibrafeed.study(kind="sensitivity", **scene, **POINT, uncertain=told)
+
+    values = read(np.radians([18.0, 20.0, 22.0]), "rad").content()["uncertain"]["beta"]["values"]
     assert values == pytest.approx([18.0, 20.0, 22.0], rel=1e-15)
-    density.beta.attrs["units"] = "mm"
-    density.to_netcdf(tmp_path / "told.nc")
     with pytest.raises(StudyError, match="'mm' does not measure"):
-        vibrafeed.study(kind="sensitivity", **scene, **POINT, uncertain=told)
+        read([18.0, 20.0, 22.0], "mm")

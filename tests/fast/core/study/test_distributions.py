@@ -66,18 +66,19 @@ def test_tolerances_are_ends_or_three_deviations():
     normal = read_distribution("friction", {"mean": 0.3, "deviation": 0.03})
     assert tolerance("friction", normal) == pytest.approx((0.21, 0.39), abs=1e-5)
     assert quantiles("friction", normal, [0.0])[0] == 0  # the bound of the quantity itself
+    table = Tabulated((1.0, 2.0, 4.0), (1.0, 1.0, 1.0))  # a flat one is uniform
+    assert quantiles("frequency", table, [0.0, 0.25, 1.0]).tolist() == [1.0, 1.75, 4.0]
 
 
 def test_units_are_those_of_the_quantity():
     found = read_distribution("beta", {"mean": "0.5 rad", "deviation": "1 deg"})
     assert found.canonical() == {"mean": pytest.approx(28.6478897), "deviation": 1.0}
-    drawn = values_at({"beta": found}, np.array([[0.5]]))
-    assert drawn["beta"] == pytest.approx(0.5)
-
-
-def test_a_flat_table_is_uniform():
-    table = Tabulated((1.0, 2.0, 4.0), (1.0, 1.0, 1.0))
-    assert quantiles("frequency", table, [0.0, 0.25, 1.0]).tolist() == [1.0, 1.75, 4.0]
+    assert values_at({"beta": found}, np.array([[0.5]]))["beta"] == pytest.approx(0.5)
+    for name, mean, wide, expected in (
+        ("amplitude", "0.3 mm", "5 %", 0.015e-3), ("friction", 0.3, "10%", 0.03),
+    ):  # fmt: skip
+        share = read_distribution(name, {"mean": mean, "deviation": wide})
+        assert share.deviation == pytest.approx(expected, rel=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -86,6 +87,7 @@ def test_a_flat_table_is_uniform():
         (0.3, "this is no distribution"),
         ("0.3 +- 5 %", "may mean limits or a standard deviation"),
         ("0.3 ± 0.02", 'deviation = "0.02"'),
+        ({"mean": 0.3, "deviation": "five %"}, r"Write deviation = \"5 %\", or a value with its"),
         ({"mean": 0.3}, "mean alone make no distribution"),
         ({"mean": 0.3, "devation": 0.1}, "Did you mean 'deviation'"),
         ({"mean": -0.1, "deviation": 0.1}, "at least 0"),
@@ -117,18 +119,3 @@ def test_points_are_even_within_and_different_between_scramblings():
     assert np.array_equal(found, points(3, 64, seed=5, replicates=4))
     assert not np.array_equal(found, points(3, 64, seed=6, replicates=4))
     assert len({one.tobytes() for one in np.moveaxis(found, 1, 0)}) == 4
-
-
-@pytest.mark.parametrize(
-    ("mean", "deviation", "expected"),
-    [("0.3 mm", "5 %", 0.015e-3), (0.3, "10%", 0.03), ("0.2 mm", "0.01 mm", 1e-5)],
-)
-def test_a_deviation_may_be_a_share_of_the_mean(mean, deviation, expected):
-    name = "amplitude" if isinstance(mean, str) else "friction"
-    found = read_distribution(name, {"mean": mean, "deviation": deviation})
-    assert found.deviation == pytest.approx(expected, rel=1e-15)
-
-
-def test_what_is_no_percentage_is_told():
-    with pytest.raises(UnitError, match=r"Write deviation = \"5 %\", or a value with its unit"):
-        read_distribution("friction", {"mean": 0.3, "deviation": "five %"})

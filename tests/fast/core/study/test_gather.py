@@ -10,8 +10,6 @@ import xarray
 
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import gather, load_study, parse_study
-from vibrafeed.core.intake.forms import keys_of_studies
-from vibrafeed.core.study.grid_study import PARAMETERS
 
 POINT = {"frequency": "50 Hz", "amplitude": "0.25 mm", "friction": 0.5}
 WRITTEN = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": {**POINT, "beta": 30}}
@@ -24,35 +22,24 @@ def problems(*arguments, **keywords):
     return {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
 
 
-def test_a_parameter_has_no_name_of_a_key():
-    assert not set(keys_of_studies()) & set(PARAMETERS)
-
-
 def test_all_ways_of_writing_make_the_same_study(tmp_path):
-    study = parse_study(WRITTEN)
-    path = tmp_path / "study.json"
+    study, path = parse_study(WRITTEN), tmp_path / "study.json"
     path.write_text(json.dumps(WRITTEN))
-    mixed = {**LOOSE, "parameters": {"beta": 30}}
-    del mixed["beta"]
-    for given, keywords in (
-        (WRITTEN, {}), (LOOSE, {}), (mixed, {}), (None, LOOSE), (path, {}), (str(path), {}),
+    mixed = {"scene": "rectangle-on-plane", **POINT, "parameters": {"beta": 30}}
+    ways = (
+        (WRITTEN, {}), (LOOSE, {}), (mixed, {}), (None, LOOSE), (str(path), {}),
         (None, {**LOOSE, "outputs": "conveying_velocity"}),
         (study, {"beta": 30}), (path, {"beta": 30}), (study, {"kind": "simulate"}),
-    ):  # fmt: skip
+    )  # fmt: skip
+    for given, keywords in ways:
         assert parse_study(gather(given, keywords, "simulate")) == study
     assert gather(study, {}, "simulate") is study
-    assert load_study(str(path)) == load_study(path) == study
-
-
-def test_keywords_replace_what_a_study_says(tmp_path):
-    path = tmp_path / "study.json"
-    path.write_text(json.dumps(WRITTEN))
-    for given in (WRITTEN, LOOSE, path, parse_study(WRITTEN)):
-        changed = parse_study(gather(given, {"beta": 20, "method": "reference"}, "simulate"))
-        assert changed.method == "reference"
-        assert changed.content()["parameters"] == {
-            "frequency": 50.0, "amplitude": 0.00025, "beta": 20.0, "friction": 0.5,
-        }  # fmt: skip
+    assert load_study(str(path)) == study
+    changed = {"frequency": 50.0, "amplitude": 0.00025, "beta": 20.0, "friction": 0.5}
+    for given in (WRITTEN, LOOSE, path, study):
+        found = parse_study(gather(given, {"beta": 20, "method": "reference"}, "simulate"))
+        assert found.method == "reference"
+        assert found.content()["parameters"] == changed
 
 
 @pytest.mark.parametrize(
@@ -76,13 +63,30 @@ def test_many_values_make_one_axis(values):
 
 def test_numbers_of_numpy_stand_wherever_numbers_do():
     span = {"start": np.int64(10), "stop": np.float32(30), "num": np.int32(3)}
-    found = gather(LOOSE, {"verify": np.int64(5), "trajectory": np.arange(3.0), "beta": span})
-    study = parse_study({**found, "kind": "simulate"})
+    given = {"verify": np.int64(5), "trajectory": np.arange(3.0), "beta": span}
+    study = parse_study(gather(LOOSE, given, "simulate"))
     assert (study.verify, study.trajectory) == (5, (0.0, 1.0, 2.0))
     assert study.content()["parameters"]["beta"]["num"] == 3
     for number in (np.float32(20), np.array(20)):
         study = parse_study(gather(LOOSE, {"beta": number}, "simulate"))
         assert study.content()["parameters"]["beta"] == 20.0
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "words"),
+    [
+        ({"frequncy": 1}, "parameters.frequncy", "Did you mean 'frequency'?"),
+        ({"methd": 1}, "methd", "Did you mean 'method'?"),
+        ({"paramters": 1}, "paramters", "Did you mean 'parameters'?"),
+        ({"xyzzy": 1}, "parameters.xyzzy", "is not a parameter"),
+        ({"parameters": {"beta": 20}}, "parameters.beta", "it is given twice"),
+        ({"parameters": 5}, "parameters", ""),
+        ({"kind": "swep"}, "kind", "'swep' is not a kind"),
+        ({"criterion": 3}, "criterion", "not a key of kind 'simulate'"),
+    ],
+)
+def test_what_is_wrong_with_keywords_is_told_at_its_place(change, place, words):
+    assert words in problems(None, {**LOOSE, **change}, "simulate")[place]
 
 
 @pytest.mark.parametrize(
@@ -104,45 +108,21 @@ def test_what_is_no_axis_is_refused_at_its_place(beta, message):
         assert message in found["parameters.beta"]
 
 
-def test_a_name_that_nobody_knows_is_told_with_what_may_be_meant():
-    for name, place, meant in (
-        ("frequncy", "parameters.frequncy", "frequency"),
-        ("methd", "methd", "method"),
-        ("paramters", "paramters", "parameters"),
-    ):
-        found = problems(None, {**LOOSE, name: 1}, "simulate")
-        assert f"Did you mean '{meant}'?" in found[place]
-    assert "is not a parameter" in problems(None, {**LOOSE, "xyzzy": 1}, "simulate")[
-        "parameters.xyzzy"
-    ]  # fmt: skip
-
-
-def test_a_key_of_another_kind_is_no_parameter():
-    assert "not a key of kind 'sweep'" in problems(
-        None, {**LOOSE, "outputs": ["acceleration_x"], "method": "events"}, "sweep"
-    )["method"]  # fmt: skip
-
-
 def test_another_kind_is_refused_however_it_is_written(tmp_path):
     path = tmp_path / "study.json"
     path.write_text(json.dumps(WRITTEN))
     for given in (parse_study(WRITTEN), WRITTEN, path):
-        for keywords in ({}, {"beta": 3}):
-            found = problems(given, keywords, "sweep")
-            assert list(found) == ["kind"]
-            assert "of kind 'simulate', not 'sweep'. Carry it out with simulate()" in found["kind"]
-    assert "'swep' is not a kind" in problems(None, {**LOOSE, "kind": "swep"}, "sweep")["kind"]
+        found = problems(given, {"beta": 3}, "sweep")
+        assert list(found) == ["kind"]
+        assert "of kind 'simulate', not 'sweep'. Carry it out with simulate()" in found["kind"]
     assert "it is missing" in problems(None, LOOSE)["kind"]
 
 
-def test_what_is_given_twice_is_told():
-    found = problems(None, {**LOOSE, "parameters": {"beta": 20}}, "simulate")
-    assert "it is given twice" in found["parameters.beta"]
-
-
 def test_what_is_no_study_is_told(tmp_path):
-    (tmp_path / "list.json").write_text("[]")
-    assert "'int' is neither a study, a path nor" in problems(5, {})["study"]
-    assert "'list' is neither" in problems(tmp_path / "list.json", {})["study"]
-    assert "cannot be read" in problems(tmp_path / "none.toml", {})["file"]
-    assert "parameters" in problems(None, {**LOOSE, "parameters": 5}, "simulate")
+    path = tmp_path / "list.json"
+    path.write_text("[]")
+    for given, place, words in (
+        (5, "study", "'int' is neither a study, a path nor"), (path, "study", "'list' is neither"),
+        (tmp_path / "none.toml", "file", "cannot be read"),
+    ):  # fmt: skip
+        assert words in problems(given, {})[place]

@@ -10,8 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vibrafeed.core.intake import parse_study
-from vibrafeed.core.kinds import run_study
 from vibrafeed.core.study import values
 from vibrafeed.core.study.values import as_typed, evenly, geometrically, read_values
 
@@ -36,26 +34,16 @@ def ranges(draw):
 
 
 @settings(deadline=None, max_examples=60)
-@given(ranges(), st.booleans())
-def test_every_value_is_the_one_that_is_typed(range_, by_step):
+@given(ranges(), st.sampled_from(["num", "step", "beyond"]), st.integers(1, 99))
+def test_every_value_is_the_one_that_is_typed(range_, how, beyond):
+    """Also where a step misses the stop."""
     name, unit, one, start, step, size = range_
-    stop = start + (size - 1) * step
-    how = {"step": f"{step} {unit}"} if by_step else {"num": size}
-    axis = read_values(name, {"start": f"{start} {unit}", "stop": f"{stop} {unit}", **how})
+    stop = start + (size - 1) * step + (step * beyond / 100 if how == "beyond" else 0)
+    more = {"num": size} if how == "num" else {"step": f"{step} {unit}"}
+    axis = read_values(name, {"start": f"{start} {unit}", "stop": f"{stop} {unit}", **more})
     typed = [float(Fraction(start + k * step) * one) for k in range(size)]
     assert axis.array().tolist() == typed
-    texts = [read_values(name, f"{start + k * step} {unit}").value for k in range(size)]
-    assert texts == typed
-
-
-@settings(deadline=None, max_examples=60)
-@given(ranges(), st.integers(1, 99))
-def test_a_step_that_misses_the_stop_has_typed_values_too(range_, beyond):
-    name, unit, one, start, step, size = range_
-    stop = start + (size - 1) * step + step * beyond / 100
-    written = {"start": f"{start} {unit}", "stop": f"{stop} {unit}", "step": f"{step} {unit}"}
-    found = read_values(name, written).array().tolist()
-    assert found == [float(Fraction(start + k * step) * one) for k in range(size)]
+    assert [read_values(name, f"{start + k * step} {unit}").value for k in range(size)] == typed
 
 
 @settings(deadline=None, max_examples=60)
@@ -117,24 +105,3 @@ def test_a_logarithmic_range_is_numpys():
     whole = geometrically(1e-9, 3e5, 77)
     assert whole.tobytes() == np.geomspace(1e-9, 3e5, 77).tobytes()
     assert geometrically(1e-9, 3e5, 77, 70, 77).tobytes() == whole[70:].tobytes()
-
-
-def test_every_typed_amplitude_selects_its_cell():
-    study = parse_study(
-        {
-            "kind": "sweep",
-            "scene": "rectangle-on-plane",
-            "outputs": ["throw_number"],
-            "parameters": {
-                "amplitude": {"start": "0.05 mm", "stop": "0.75 mm", "num": 71},
-                "frequency": {"start": "1000 rpm", "stop": "3050 rpm", "step": "100 rpm"},
-                "beta": "20 deg",
-            },
-        }
-    )
-    found = run_study(study)
-    for hundredths in range(5, 76):
-        found.sel(amplitude=float(f"{hundredths}e-5"))
-    assert found.sizes["frequency"] == 21
-    for turns in range(1000, 3001, 100):
-        found.sel(frequency=turns / 60)

@@ -1,4 +1,4 @@
-"""Units that vibrafeed writes, to files, headings and the screen, are read again."""
+"""Units that vibrafeed writes, to files, headings, the screen and pictures, are read again."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vibrafeed.core.dataset.frame import heading
 from vibrafeed.core.dataset.table import TableVariable, quantity_attributes
 from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, Quantity
-from vibrafeed.core.study.shown import SI, SMALLER, TRADE, ShownUnits, read_shown
+from vibrafeed.core.study.shown import SI, SMALLER, TRADE, Shown, ShownUnits, read_shown
 from vibrafeed.core.study.units import UnitError, read_number, unit_factor, with_unit
 
 UNITS = sorted({quantity.unit for quantity in QUANTITIES.values()})
@@ -41,34 +41,47 @@ def spellings(unit):
         yield unit.replace(" ", "\N{NO-BREAK SPACE}").replace("-", "\N{MINUS SIGN}")
 
 
-@pytest.mark.parametrize("unit", UNITS)
-@settings(max_examples=30, deadline=None)
-@given(x=NUMBERS)
-def test_what_is_written_in_the_unit_of_files_is_read_to_the_bit(unit, x):
-    for spelled in spellings(unit):
-        assert read_number("value", free(unit), f"{x!r} {spelled}") == x
-        assert read_number("value", free(unit), with_unit(repr(x), spelled)) == x
+def test_each_quantity_is_read_from_the_headings_of_its_own_files():
+    for name, quantity in QUANTITIES.items():
+        value = next(x for x in (0.3, 1.0, 3.0, 30.0) if quantity.lower < x <= quantity.upper)
+        column = TableVariable((), np.array(value), quantity_attributes(name))
+        found, unit = name_and_unit(heading(name, column))
+        assert found == name
+        assert read_number(name, quantity, with_unit(repr(value), unit)) == value
 
 
-@pytest.mark.parametrize("unit", UNITS)
-@settings(max_examples=30, deadline=None)
-@given(x=NUMBERS)
-def test_what_a_person_is_shown_is_read(unit, x):
-    shown = {ShownUnits().of(unit, abs(x)), ShownUnits("si").of(unit, abs(x))}
-    for one in shown:
-        read = read_number("value", free(unit), f"{x * one.factor!r} {one.unit}")
-        assert math.isclose(read, x, rel_tol=THREE_ROUNDINGS)
-
-
-@pytest.mark.parametrize("name", sorted(QUANTITIES))
-def test_each_quantity_is_read_from_the_headings_of_its_own_files(name):
-    quantity = QUANTITIES[name]
-    value = next(x for x in (0.3, 1.0, 3.0, 30.0) if quantity.lower < x <= quantity.upper)
-    column = TableVariable((), np.array(value), quantity_attributes(name))
-    found, unit = name_and_unit(heading(name, column))
-    assert found == name
-    assert read_number(name, quantity, with_unit(repr(value), unit)) == value
-    assert read_number(name, quantity, f"{value!r} {quantity.unit}") == value
+@pytest.mark.parametrize(
+    ("name", "text", "right"),
+    [
+        # The gram of a mass, the standard gravity of an acceleration; of gravity itself a slip.
+        *(("acceleration_along_1", f"1 {g}", 9.80665) for g in ("g", "G", "gn")),
+        ("acceleration_along_1", "1 mg", 0.00980665),
+        ("mass", "1 g", 0.001),
+        ("mass", "1 mg", 1e-6),
+        ("gravity", "9.8 g", "'g'"),
+        ("mass", "3 G", "'G'"),
+        ("acceleration_along_1", "3 gram", "'gram'"),
+        # pint reads rpm as radians a second: as a frequency that would be off by 2 pi.
+        *(("frequency", f"3000 {turn}", 50.0)
+          for turn in ("RPM", "1 / min", "/ min", "per minute", "r/min", "vib/min", "min-1",
+                       "strokes/min")),
+        ("spin_rate", "3000 rpm", 100 * math.pi),
+        *(("frequency", f"314 {turn}", "angular velocity") for turn in ("rad/s", "rad·s⁻¹")),
+        *(("amplitude", f"250 {sign}m", 250e-6)
+          for sign in ("\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}", "u")),
+        # Signs of word processors.
+        ("gamma", "\N{MINUS SIGN}5 deg", -5.0), ("gamma", "\N{EN DASH}5 deg", -5.0),
+        ("gamma", "5e\N{MINUS SIGN}1 °", 0.5), ("gamma", "5\N{NO-BREAK SPACE}º", 5.0),
+        ("gamma", "\N{NARROW NO-BREAK SPACE}5 deg", 5.0),
+    ],
+)  # fmt: skip
+def test_a_text_is_read_as_the_quantity_has_it(name, text, right):
+    if isinstance(right, str):
+        with pytest.raises(UnitError, match=right):
+            read_number(name, QUANTITIES[name], text)
+    else:
+        found = read_number(name, QUANTITIES[name], text)
+        assert math.isclose(found, right, rel_tol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -103,64 +116,7 @@ def test_spellings_of_the_field(unit, texts):
         assert unit_factor("value", free(unit), text) == 1, text
 
 
-def test_micro_has_two_signs():
-    for sign in ("\N{MICRO SIGN}m", "\N{GREEK SMALL LETTER MU}m", "um"):
-        assert read_number("value", free("m"), f"250 {sign}") == 250e-6
-
-
-def test_g_is_what_the_quantity_weighs():
-    """The gram of a mass; the standard gravity of an acceleration; of gravity itself a slip."""
-    for text, right in (("g", 9.80665), ("G", 9.80665), ("gn", 9.80665), ("mg", 0.00980665)):
-        assert float(unit_factor("value", free("m s-2"), text)) == right
-    assert float(unit_factor("value", free("kg"), "g")) == 0.001
-    assert float(unit_factor("value", free("kg"), "mg")) == 1e-6
-    assert read_shown(["g"]).of("kg", 1.0).factor == 1000.0
-    for name, text in (("gravity", "9.8 g"), ("mass", "3 G"), ("acceleration_along_1", "3 gram")):
-        with pytest.raises(UnitError):
-            read_number(name, QUANTITIES[name], text)
-
-
-def test_a_turn_a_minute_is_a_frequency_and_an_angular_velocity():
-    """pint reads rpm as radians a second: as a frequency that would be off by 2 pi."""
-    for text in (
-        "rpm",
-        "RPM",
-        "1/min",
-        "1 / min",
-        "/ min",
-        "per minute",
-        "rev/min",
-        "r/min",
-        "vib/min",
-        "min-1",
-        "strokes/min",
-    ):
-        assert read_number("frequency", QUANTITIES["frequency"], f"3000 {text}") == 50.0
-    spin = read_number("spin_rate", QUANTITIES["spin_rate"], "3000 rpm")
-    assert math.isclose(spin, 100 * math.pi, rel_tol=1e-15)
-    for text in ("314 rad/s", "314 rad s-1", "314 rad·s⁻¹"):
-        with pytest.raises(UnitError, match="angular velocity"):
-            read_number("frequency", QUANTITIES["frequency"], text)
-
-
-@pytest.mark.parametrize(
-    ("text", "right"),
-    [("\N{MINUS SIGN}5 deg", -5.0), ("\N{EN DASH}5 deg", -5.0), ("5e\N{MINUS SIGN}1 °", 0.5),
-     ("5\N{NO-BREAK SPACE}º", 5.0), ("\N{NARROW NO-BREAK SPACE}5 deg", 5.0)],
-)  # fmt: skip
-def test_signs_of_word_processors_are_read(text, right):
-    assert read_number("gamma", QUANTITIES["gamma"], text) == right
-
-
 STUDY = {"scene": "rectangle-on-plane", "outputs": ["throw_number"]}
-
-
-def test_the_settings_of_a_motion_are_read_from_its_coordinates():
-    point = {"frequency": 50, "amplitude": "0.2 mm", "beta": 20, "friction": 0.3}
-    first = vibrafeed.simulate(scene="rectangle-on-plane", **point)
-    given = {name: first[name] for name in (*point, "gravity", "gamma", "alpha", "tolerance")}
-    again = vibrafeed.simulate(scene="rectangle-on-plane", **given)
-    xarray.testing.assert_identical(again.conveying_velocity, first.conveying_velocity)
 
 
 def test_the_coordinates_of_a_file_are_parameters(tmp_path):
@@ -175,3 +131,47 @@ def test_the_coordinates_of_a_file_are_parameters(tmp_path):
             xarray.testing.assert_identical(again.throw_number, first.throw_number)
         shown = vibrafeed.sweep(**STUDY, **{n: first.vibrafeed.shown("trade")[n] for n in names})
     np.testing.assert_allclose(shown.amplitude, first.amplitude, rtol=THREE_ROUNDINGS)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+@settings(max_examples=8, deadline=None)
+@given(x=NUMBERS)
+def test_what_is_written_or_shown_is_read(unit, x):
+    """In the unit of files to the bit; what a person is shown but for its roundings."""
+    for spelled in spellings(unit):
+        assert read_number("value", free(unit), f"{x!r} {spelled}") == x
+        assert read_number("value", free(unit), with_unit(repr(x), spelled)) == x
+    for one in {ShownUnits().of(unit, abs(x)), ShownUnits("si").of(unit, abs(x))}:
+        read = read_number("value", free(unit), f"{x * one.factor!r} {one.unit}")
+        assert math.isclose(read, x, rel_tol=THREE_ROUNDINGS)
+
+
+def test_every_unit_of_a_quantity_can_be_asked_for_and_read():
+    for unit in {quantity.unit for quantity in QUANTITIES.values()} - {"1"}:
+        shown = ShownUnits("si").of(unit, 1.0)
+        assert "-1" not in shown.unit, f"{unit} is written as {shown.unit}: add it to SI"
+    assert SI["m s-2"] == "m/s²"
+
+
+@pytest.mark.parametrize("words", [["candela"], [""], ["1"], ["mm/s", "m/min"]])
+def test_what_is_no_unit_is_refused(words):
+    with pytest.raises(UnitError):
+        read_shown(words)
+
+
+@pytest.mark.parametrize(
+    ("words", "unit", "largest", "factor", "shown"),
+    [
+        ([], "m s-1", 12.0, 1000.0, "mm/s"),
+        (["SI"], "m s-1", 0.01, 1.0, "m/s"),
+        ([], "kg", 0.05, 1000.0, "g"),
+        ([], "kg", 0.5, 1.0, "kg"),
+        ([], "kg", 0.0, 1.0, "kg"),
+        (["m/min", "rad", "si"], "m s-1", 1.0, 60.0, "m/min"),
+        (["m/min", "rad", "si"], "m", 1e-3, 1.0, "m"),
+        (["rad"], "degree", 1.0, math.pi / 180, "rad"),
+    ],
+)
+def test_a_unit_stands_for_its_kind(words, unit, largest, factor, shown):
+    found = read_shown(words).of(unit, largest)
+    assert found == Shown(pytest.approx(factor, rel=1e-15), shown)
