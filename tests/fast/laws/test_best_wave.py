@@ -43,7 +43,7 @@ def test_the_fastest_wave_reaches_it(
 @pytest.mark.parametrize(("kind", "count"), KINDS)
 def test_no_random_wave_is_faster(kind: str, count: int) -> None:
     found = shares(kind, count, 200, np.random.default_rng(count))
-    assert found.size > 180
+    assert found.size >= 180
     assert found.max() <= 1 + 1e-9
 
 

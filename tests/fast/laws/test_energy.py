@@ -183,7 +183,7 @@ def test_rest_costs_nothing_and_vain_work_is_unbounded():
     ("more", "fixes"),
     [
         ({"method": "reference"}, {"Set method to events"}),
-        ({"outputs": ["part_drive_power"]}, {"Write mass = ..."}),
+        ({"outputs": ["part_drive_power"]}, {'Add, for example, mass = "5 g"'}),
     ],
 )
 def test_what_cannot_be_told_is_refused(more, fixes):

@@ -17,7 +17,7 @@ from work import calls
 RANDOM = np.random.default_rng(512)
 GRAVITY = 9.81
 FREQUENCY = 60.0
-SIDE = 6  # 6 x 6 x 6 designs
+SIDE = 4  # 4 x 4 x 4 designs
 
 
 def axis(low: float, high: float) -> list[float]:
@@ -75,7 +75,8 @@ def agree(dataset, alpha, beta, where=..., angle=ANGLE):
     for found, right in zip(angles(dataset), (alpha, beta), strict=True):
         right = np.broadcast_to(right, found.shape)
         np.testing.assert_allclose(found[where], right[where], rtol=0, atol=angle)
-    assert np.nanmax(np.abs(dataset.optimum_gap)) < (GAP if angle == ANGLE else 1e-9)
+    gap = dataset.optimum_gap
+    assert np.nanmax(gap) < GAP if angle == ANGLE else np.nanmax(np.abs(gap)) < 1e-9
 
 
 def is_tight(dataset, name):
@@ -122,8 +123,8 @@ def test_the_printed_plane_keeps_its_limit(floor):
     alpha, beta, limited, exists, case_a = printed_answer(d, floor, LIMIT)
     # Within rounding of the last design that has an answer there may be one or none.
     np.testing.assert_array_equal(dataset.optimum_status == STATUS["infeasible"], ~exists)
-    assert 20 < (case_a & exists).sum() < 0.9 * d.P.size
-    assert (limited & exists & ~case_a).sum() > 10
+    assert 5 < (case_a & exists).sum() < 0.9 * d.P.size
+    assert (limited & exists & ~case_a).sum() > 3
     # Where cos(alpha) is all but 0 the level is flat over alpha: its slope is the condition.
     smooth = exists & (alpha < 1.55)
     assert smooth.sum() > 0.95 * exists.sum()

@@ -96,7 +96,7 @@ def test_a_drive_the_other_way_is_the_mirror_image(scene):
     """A cylinder that is driven along its axis does not roll."""
     found = vibrafeed.sweep(
         scene=scene, friction=0.5, frequency=50, amplitude=[1e-5, 1e-4, 3e-4], beta=[0, 30, 60],
-        alpha=[0, 180, -180], outputs=["acceleration_x", "acceleration_y", "normal_acceleration"],
+        alpha=[-180, 0, 180], outputs=["acceleration_x", "acceleration_y", "normal_acceleration"],
     )  # fmt: skip
     ahead, back, again = (found.sel(alpha=alpha) for alpha in (0, 180, -180))
     xarray.testing.assert_equal(back.drop_vars("alpha"), again.drop_vars("alpha"))

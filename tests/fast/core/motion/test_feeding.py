@@ -85,6 +85,20 @@ def motion(velocity: float, error: float, status: str) -> Motion:
     return Motion(**fields | {name: np.asarray(value) for name, value in given.items()})
 
 
+@pytest.mark.parametrize(
+    ("velocity", "error", "status", "expected"),
+    [
+        (-1e-16, 0.0, "periodic", RESTS),  # the last bit decides nothing
+        (1e-3, 2e-3, "periodic", RESTS),  # no further from 0 than the method's own error
+        (-3e-3, 2e-3, "periodic", BACKWARDS),
+        (-1e-7, 0.0, "periodic", BACKWARDS),  # slow, and sure
+        (0.1, 0.0, "aperiodic", FORWARDS),
+        (0.1, np.nan, "neutral", FORWARDS),
+        (np.nan, np.nan, "runaway", UNKNOWN),
+        (np.nan, np.nan, "not_computed", UNKNOWN),
+        (0.0, 0.0, "limit_reached", UNKNOWN),
+    ],
+)
 def test_rest_is_told_by_errors(velocity, error, status, expected) -> None:
     told = direction(motion=motion(velocity, error, status), drive_number=np.asarray(3.0))
     assert int(told) == expected

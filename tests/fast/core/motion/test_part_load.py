@@ -43,6 +43,23 @@ def test_the_chain_from_springs_to_speed_and_what_parts_do_to_it():
     assert float(found.drive_unit_power[-1]) == pytest.approx(2.457305, abs=5e-7)
 
 
+FOUND_BY_STEPS = [  # of unit and part in one time integration, 8,000 steps a period
+    (53.96, 0.0249, 16.4, 84.7, 32758, 45, 1.48, 0.17, 0.5003974e-3),
+    (46.71, 0.0256, 16.3, 51.3, 40257, 63, 0.78, 0.50, 0.3659704e-3),
+    (54.19, 0.0151, 21.6, 26.7, 53687, 11, 0.74, 0.43, 0.1553574e-3),
+]
+NUMBERS = ("ring_down_frequency", "damping_ratio", "spring_angle", "drive_force", "foot_stiffness",
+           "foot_damping", "conveyed_mass", "friction")  # fmt: skip
+
+
+@pytest.mark.parametrize(("numbers", "stepped"), [(row[:-1], row[-1]) for row in FOUND_BY_STEPS])
+def test_unit_and_part_have_the_amplitude_of_one_time_integration(numbers, stepped):
+    """What the other harmonics of the parts do to the track is left out: 1e-3 up to throw 2."""
+    given = {**UNIT, **dict(zip(NUMBERS, numbers, strict=True))}
+    found = vibrafeed.simulate(scene="rectangle-on-plane", **given, outputs=NAMES)
+    assert float(found.track_amplitude) == pytest.approx(stepped, rel=1e-3)
+
+
 def test_a_fast_slider_by_two_equations():
     """The same slider by its two phases of reversal, forward a to b: no stepping, no events.
 

@@ -56,10 +56,12 @@ def test_no_row_has_a_mean_that_later_periods_contradict():
             mass=random.uniform(0.2, 3.0, n), e=random.choice([0.0, 0.5]),
         )  # fmt: skip
         found, name = followed(row)
+        seen.add(name)
+        if name == "limit_reached":
+            continue
         row[5] = 8000
         later, of_later = followed(row)
-        seen.add(name)
-        if "limit_reached" not in (name, of_later):
+        if of_later != "limit_reached":
             apart = abs(found["velocity"] - later["velocity"])
             assert apart <= found["error"] + later["error"]
     assert {"limit_reached", "periodic"} <= seen
