@@ -54,7 +54,7 @@ def drive_of(groups: Groups) -> np.ndarray:
 def test_means_are_those_of_the_reference(contacts, curved):
     """Two witnesses that share nothing: the reference has neither kernels nor series."""
     given = random_groups(count(3, 20), 5, wall=contacts.wall, curved=curved)
-    found, (parts, _) = spatial_motion(given, contacts, **SETTINGS), each(given)
+    found, parts = spatial_motion(given, contacts, **SETTINGS), [*each(given)[0]]
     speed, judged = drive_of(given), 0
     for number, part in enumerate(parts):
         other = reference_motion(part, contacts, max_periods=60)
@@ -93,7 +93,7 @@ def test_a_mirror_changes_nothing_along():
 
 def test_shares_add_up_and_a_course_closes():
     given = random_groups(5, 11, wall=True, curved=True)
-    found, (parts, _) = spatial_motion(given, TRACK, **SETTINGS), each(given)
+    found, parts = spatial_motion(given, TRACK, **SETTINGS), [*each(given)[0]]
     shares = found.stick + found.forward + found.backward + found.flight
     for number in np.flatnonzero(found.status == STATUS["periodic"]):
         assert shares[number] == pytest.approx(1.0, abs=1e-12)

@@ -23,7 +23,7 @@ from vibrafeed.core.motion.method import STATUS, Groups, cells_of
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.motion.waves import Wave, bound
 
-CELLS = count(16, 17_000)
+CELLS = count(12, 17_000)
 """Of each of the six families: 10^5 by night."""
 pytestmark = pytest.mark.timeout(1800 + CELLS // 2)  # a cell takes some 30 ms of a processor
 MOST, PERIODS = 1000, 3000

@@ -208,7 +208,7 @@ def disagree(groups: Groups, contacts: Contacts) -> tuple[float, Motion, Motion]
     ("contacts", "across", "seeds"),
     spread(
         [
-            (BLOCK_ON_FLOOR, 0.0, count(4, 16)),
+            (BLOCK_ON_FLOOR, 0.0, count(3, 16)),
             (BLOCK_ON_FLOOR, 0.3, count(2, 6)),
             (CYLINDER, 0.3, count(2, 6)),
             (WALL, 0.3, count(2, 6)),
