@@ -16,17 +16,13 @@ RANDOM = np.random.default_rng(214)
 POINTS = 5_000
 
 
-# --- the rolling cylinder's closed forms, against balances that know nothing of them
-
-
 def test_dual_euler_about_any_point_is_newton_euler_and_the_sum_over_point_masses():
     # No inertia and no theorem about moving it: each point mass needs m a at its own place.
     places, masses = RANDOM.normal(size=(5, POINTS, 3)), RANDOM.uniform(0.1, 1, (5, POINTS))
     w, v, wdot, vdot = RANDOM.normal(size=(4, POINTS, 3))
     twist, rate, total = Twist(w, v), Twist(wdot, vdot), masses.sum(0)
     centre = np.einsum("kp,kpi->pi", masses, places) / total[:, None]
-    force, moment = np.zeros((2, POINTS, 3))
-    central, about_a = np.zeros((2, POINTS, 3, 3))
+    force, moment, central = np.zeros((POINTS, 3)), np.zeros((POINTS, 3)), np.zeros((POINTS, 3, 3))
     for r, m in zip(places, masses, strict=True):
         a = vdot + np.cross(w, v) + np.cross(wdot, r) + np.cross(w, np.cross(w, r))
         force += m[:, None] * a
@@ -47,6 +43,8 @@ def test_dual_euler_about_any_point_is_newton_euler_and_the_sum_over_point_masse
         np.testing.assert_allclose(wrench.real, force, rtol=0, atol=1e-11)
         np.testing.assert_allclose(wrench.dual, moment, rtol=0, atol=1e-11)
 
+
+# --- the rolling cylinder's closed forms, against balances that know nothing of them
 
 RATES = {
     "spin_rate": RANDOM.normal(size=POINTS) * 100,

@@ -322,6 +322,15 @@ def test_parts_per_minute_and_back():
     assert speed == pytest.approx([0.05])
 
 
+@pytest.mark.parametrize("length", [0, -0.01, np.array([0.01, 0.0])])
+def test_parts_without_a_length_have_no_rate(length):
+    says = "length: length plus gap, the track that one part takes"
+    with pytest.raises(StudyError, match=says):
+        parts_per_minute(velocity=0.03, length=length)
+    with pytest.raises(StudyError, match=says):
+        velocity_for(parts_per_minute=100, length=length)
+
+
 def test_the_effective_distance_gives_the_speed_back():
     content = {
         "kind": "sweep", "scene": "rectangle-on-track", "variant": "derived",
