@@ -28,6 +28,10 @@ SLICE = "/slice?output=acceleration_x&axes=beta"
 ASYNC = {"Prefer": "respond-async"}
 
 
+SWEEP_ENDS = ["", SLICE, "/netcdf", "/zarr/zarr.json", "/nowhere"]
+JOB_ENDS = ["", "/results", "/results/dataset", "/events", "/results/zarr/zarr.json"]
+
+
 def study(number: int, values: int = 20) -> dict[str, Any]:
     """Return one of many studies of the same size."""
     return {
@@ -198,46 +202,25 @@ class Play:
 
     def _guess(self, me: Client, other: Client) -> None:
         """Ask for what the other has, by a name that nobody told."""
-        unknown = "0" * 64
-        for name, shared in self._random.sample(
-            sorted(other.sweeps.items()), min(2, len(other.sweeps))
-        ):
-            if name in me.sweeps:
-                continue
-            end = self._random.choice(["", SLICE, "/netcdf", "/zarr/zarr.json", "/nowhere"])
-            status, body = me.ask("GET", f"/sweeps/{name}{end}")
-            if shared:
-                if status not in (200, 404, 403 if end == "/netcdf" else 200):
-                    self.wrong.append(f"{me.name}, a shared sweep{end}: {status}")
-                status, _ = me.ask("PATCH", f"/sweeps/{name}", {"shared": False})
-                self._refused("a shared sweep", me, status, 403, 404)
-                continue
-            told, none = me.ask("GET", f"/sweeps/{unknown}{end}")
-            if (status, body) != (told, none.replace(unknown.encode(), name.encode())):
-                self.wrong.append(f"{me.name} tells sweep{end} of the other from none: {status}")
-            self._refused(
-                "a sweep", me, me.ask("PATCH", f"/sweeps/{name}", {"shared": True})[0], 404
-            )
-        for name, shared in self._random.sample(
-            sorted(other.jobs.items()), min(2, len(other.jobs))
-        ):
-            end = self._random.choice(
-                ["", "/results", "/results/dataset", "/events", "/results/zarr/zarr.json"]
-            )
-            if not shared:
-                status, body = me.ask("GET", f"/jobs/{name}{end}")
-                told, none = me.ask("GET", f"/jobs/{'0' * 32}{end}")
-                if (status, body) != (told, none.replace(b"0" * 32, name.encode())):
-                    self.wrong.append(f"{me.name} tells job{end} of the other from none: {status}")
-            status = 403 if shared else 404
-            self._refused("a job", me, me.ask("DELETE", f"/jobs/{name}")[0], status)
-            self._refused(
-                "a job", me, me.ask("PATCH", f"/jobs/{name}", {"shared": True})[0], status
-            )
-
-    def _refused(self, what: str, me: Client, status: int, *right: int) -> None:
-        if status not in right:
-            self.wrong.append(f"{me.name} changes {what} of the other: {status}, not {right}")
+        for kind, unknown, ends, theirs in (
+            ("sweeps", "0" * 64, SWEEP_ENDS, other.sweeps), ("jobs", "0" * 32, JOB_ENDS, other.jobs)
+        ):  # fmt: skip
+            names = sorted(set(theirs) - set(me.sweeps))
+            for name in self._random.sample(names, min(2, len(names))):
+                path, end, shared = f"/{kind}/{name}", self._random.choice(ends), theirs[name]
+                status, body = me.ask("GET", path + end)
+                told, none = me.ask("GET", f"/{kind}/{unknown}{end}")
+                none = none.replace(unknown.encode(), name.encode())
+                if not shared and (status, body) != (told, none):
+                    self.wrong.append(
+                        f"{me.name} tells {kind}{end} of the other from none: {status}"
+                    )
+                refused = [me.ask("PATCH", path, {"shared": not shared})[0]]
+                if kind == "jobs":
+                    refused.append(me.ask("DELETE", path)[0])
+                right = {404} if not shared else {403} if kind == "jobs" else {403, 404}
+                if not set(refused) <= right:
+                    self.wrong.append(f"{me.name} changes {kind} of the other: {refused}")
 
 
 def play(address: str, keys: dict[str, str], calls: int, seed: int) -> Play:

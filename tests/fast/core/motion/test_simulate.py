@@ -268,7 +268,7 @@ PROBLEMS = [
      "parameters.friction_static", ""),
     ({"trajectory": 50, "parameters": {"friction": [0.1, 0.2]}}, "trajectory",
      "trajectory shows one point"),
-    ({"trajectory": [1e8]}, "trajectory", ""),
+    ({"trajectory": [1e4]}, "trajectory", "End it by"),
     ({"method": "reference", "trajectory": 50}, "trajectory", "Set method to events"),
     ({"method": "reference", "parameters": {"friction": 1e4}}, "parameters.friction",
      "at most 1000"),
