@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from night import spread
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.optimise.problem import STATUS
@@ -168,7 +169,7 @@ def test_the_printed_track(variant, wall):
     assert is_tight(dataset, "beta_lower").all()
 
 
-@pytest.mark.parametrize("scene", ["rectangle-on-plane", "cylinder-on-plane"])
+@pytest.mark.parametrize("scene", spread(["rectangle-on-plane", "cylinder-on-plane"], 1))
 def test_the_physical_plane_has_no_trade_off(scene):
     falling = {"gamma": sorted(-abs(angle) for angle in GAMMA)}
     given = {"parameters": falling, "outputs": ["acceleration_y"]}
