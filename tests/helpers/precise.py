@@ -1,24 +1,20 @@
-"""The outputs of a plan to 50 digits: its own equations, run on numbers of that precision.
+"""Functions of numpy, and ours, on numbers of 50 digits.
 
-The equations are written for arrays and do not ask what stands in them. Arrays of `Number` run
-them with mpmath by the functions of `DIGITS`; where a step would round to a float it fails instead,
+Equations are written for arrays and do not ask what stands in them. Arrays of `Number` run them
+with mpmath by the functions of `DIGITS_OF`; where a step would round to a float it fails instead,
 so that a result has all its digits or there is none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
 import mpmath
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
-from numpy.typing import NDArray
-
-from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.plan import Plan
 
 DIGITS = 50
 
@@ -238,42 +234,3 @@ def _labelled(result: Any) -> Any:
     if isinstance(result, list):
         return [_labelled(one) for one in result]
     return result
-
-
-def exact_values(plan: Plan, cells: Mapping[str, Array]) -> dict[str, NDArray[np.object_]]:
-    """Return the outputs of a closed-form plan at cells to 50 digits.
-
-    Parameters
-    ----------
-    plan : Plan
-        What to compute; every parameter of it is among the cells.
-    cells : mapping of str to ndarray, shape (n,)
-        The parameters, SI units; each float is taken as it is, to its last bit.
-
-    Returns
-    -------
-    dict of str to ndarray of object, shape (n,)
-        Numbers of `mpmath`, SI units.
-
-    Raises
-    ------
-    TypeError
-        If an equation rounds to floats on its way.
-    """
-    columns = {name: np.atleast_1d(cells[name]) for name in plan.parameters}
-    size = max((column.size for column in columns.values()), default=1)
-    # Defaults as columns too: numpy turns arrays without dimension into bare elements.
-    known: dict[str, Any] = {
-        name: _labelled(_AS_NUMBER(np.broadcast_to(column, size)))
-        for name, column in {**plan.defaults, **columns}.items()
-    }
-    with np.errstate(all="ignore"):  # of NaN on its way into a number
-        for equation in plan.equations:
-            inputs = {name: known[name] for name in equation.inputs}
-            known[equation.gives] = _labelled(equation.function(**inputs))
-        found = {name: np.broadcast_to(_numbers(known[name]), size) for name in plan.outputs}
-    of_numbers = np.frompyfunc(lambda number: number.value, 1, 1)
-    return {name: of_numbers(values) for name, values in found.items()}
-
-
-_AS_NUMBER = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1)

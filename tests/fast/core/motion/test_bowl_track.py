@@ -7,13 +7,11 @@ import pytest
 from scipy.integrate import quad
 
 import vibrafeed
-from night import NIGHT, count
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.mechanics.drive_unit import Stretches, radius_at, total_length
 from vibrafeed.core.motion.bowl_track import (
     CONDITIONS,
     AlongTrack,
-    slowness,
     track_of,
 )
 from vibrafeed.core.quantities import REGIMES
@@ -70,48 +68,26 @@ def test_each_place_is_that_of_a_study_of_its_radius_climb_and_friction(
         assert float(here[name]) == pytest.approx(float(alone[name]), rel=1e-9)
 
 
-def test_a_load_at_its_radius_is_a_heavier_bowl():
-    names = ["track_amplitude", "vibration_angle"]
-    unit = {"scene": "bowl-drive-unit", "variant": "springs", "spring_stiffness": 1.2e6,
-            **{k: v for k, v in BOWL.items() if k != "ring_down_frequency"}}  # fmt: skip
-    unit |= {"radius": [0.1, 0.2, 0.3], "outputs": names}
-    full = vibrafeed.sweep(**unit, load_mass=2, load_radius=0.18)
-    del unit["damping_ratio"]
-    empty = vibrafeed.sweep(**{**unit, "moving_mass": 12, "damping_ratio": 0.02}, load_mass=0)
-    again = vibrafeed.sweep(**{
-        **unit, "moving_mass": 14, "moving_inertia": 0.25 + 2 * 0.18**2,
-        # the damper is that of the empty unit
-        "damping_ratio": 0.02 * float(_mass(12, 0.25) / _mass(14, 0.25 + 2 * 0.18**2)) ** 0.5,
-    })  # fmt: skip
-    for name in names:
-        assert full[name].values == pytest.approx(again[name].values, rel=1e-12)
-        assert (np.abs(full[name].values / empty[name].values - 1) > 1e-3).all()
-
-
-def _mass(m1, i1):
-    """Return the mass of the stroke of a bowl."""
-    th, r = np.radians(20), 0.15
-    return i1 * 0.9 / (i1 + 0.9) * (np.cos(th) / r) ** 2 + m1 * 40 / (m1 + 40) * np.sin(th) ** 2
-
-
-def test_time_and_bottleneck_are_those_of_a_fine_walk_along_the_track():
-    places = 2001 if NIGHT else 241
+@pytest.mark.parametrize("harmonic", [0.0, 0.25], ids=["sine", "half wave"])
+def test_time_and_bottleneck_are_those_of_a_fine_walk_along_the_track(harmonic):
+    study = {name: value for name, value in STUDY.items() if name != "delta"}
     fine = vibrafeed.simulate(
-        **STUDY, outputs=["conveying_velocity", "track_radius", "track_length", *WHOLE],
-        track_fraction={"start": 0, "stop": 1, "num": places},
+        **{**study, "scene": "rectangle-on-plane"}, length=0.02, force_harmonic=harmonic,
+        outputs=["conveying_velocity", "track_radius", "track_length", "track_feed_rate", *WHOLE],
+        track_fraction={"start": 0, "stop": 1, "num": 241},
     )  # fmt: skip
     x, v = fine.track_fraction.values, fine.conveying_velocity.values
     assert np.ptp(v) > 0.2 * v.max(), "the speed changes along the track"
     # A mean over each cell, but for the one in which the lining begins: there half of it.
     time = float(fine.track_length) * np.sum((1 / v[1:] + 1 / v[:-1]) / 2 * np.diff(x))
-    assert float(fine.transit_time) == pytest.approx(time, rel=3e-4 if NIGHT else 3e-3)
-    assert float(fine.bottleneck_velocity) == pytest.approx(v.min(), rel=5e-3)
-    assert float(fine.bottleneck_velocity) <= v.min() * (1 + 5e-3)
+    assert float(fine.transit_time) == pytest.approx(time, rel=3e-3)
     slowest = v.argmin()
+    assert float(fine.bottleneck_velocity) == pytest.approx(v[slowest], rel=5e-3)
     assert float(fine.bottleneck_fraction) == pytest.approx(x[slowest], abs=0.03)
-    assert float(fine.bottleneck_radius) == pytest.approx(
-        float(fine.track_radius[slowest]), abs=0.002
-    )
+    radius = float(fine.track_radius[slowest])
+    assert float(fine.bottleneck_radius) == pytest.approx(radius, abs=0.002)
+    rate = 60 * float(fine.bottleneck_velocity) / 0.02
+    assert float(fine.track_feed_rate) == pytest.approx(rate, rel=1e-14)
 
 
 def walk_of(speed, **others):
@@ -190,18 +166,6 @@ def test_a_place_without_a_speed_leaves_the_whole_track_without_a_time(gap):
     assert CONDITIONS[0].function(passage=passage)
 
 
-def test_a_track_with_a_place_without_a_speed_is_unresolved():
-    found = vibrafeed.simulate(
-        **STUDY,
-        conveyed_mass=0.1,
-        restitution=0.5,
-        length=0.02,
-        outputs=[*WHOLE, "track_feed_rate"],
-    )
-    assert int(found.regime) == REGIMES["unresolved"].value
-    assert all(np.isnan(float(found[name])) for name in [*WHOLE, "track_feed_rate"])
-
-
 def test_the_bowl_whose_speed_dips_between_two_of_seventeen_places():
     """As told by 20,001 places: 8.741 s, 1.808 mm/s, 5.42 a minute; once 6.494, 2.390, 7.17."""
     found = vibrafeed.simulate(
@@ -222,64 +186,12 @@ def test_the_bowl_whose_speed_dips_between_two_of_seventeen_places():
     assert float(found.track_feed_rate) == pytest.approx(5.42, abs=0.01)
 
 
-def test_fast_bowls_are_known_within_their_stated_errors():
-    """Random bowls, thrown at 1 to 6, against a walk ten times as fine."""
-    pick, names = np.random.default_rng(61), ["transit_time", "bottleneck_velocity"]
-    for _ in range(count(6, 200)):
-        start, f = pick.uniform(0.08, 0.14), pick.uniform(40, 90)
-        bowl = {
-            **BOWL, "scene": "rectangle-on-plane", "frequency": f,
-            "ring_down_frequency": f * pick.choice([0.92, 1.08]),
-            "start_radius": start, "stretch_radius_1": start + pick.uniform(0.01, 0.08),
-            "stretch_turns_1": pick.uniform(0.3, 2), "stretch_climb_1": pick.uniform(0, 3),
-            "stretch_friction_1": pick.uniform(0.2, 0.6),
-        }  # fmt: skip
-        of_one = vibrafeed.simulate(**bowl, outputs=["throw_number"])
-        bowl["drive_force"] *= pick.uniform(1.2, 6) / float(of_one.throw_number)
-        found = vibrafeed.simulate(**bowl, outputs=[*names, *(f"{one}_error" for one in names)])
-        fine = vibrafeed.simulate(
-            **bowl, outputs=["conveying_velocity", "track_length"],
-            track_fraction=np.linspace(0.0, 1.0, 641),
-        )  # fmt: skip
-        v = fine.conveying_velocity.values
-        if np.isnan(v).any() or (v <= 0).any():
-            assert not np.isfinite(float(found.transit_time))
-            continue
-        steps = slowness(v[:-1], v[1:])
-        time, least = float(fine.track_length) * steps.mean(), v.min()
-        # The walk's own error, that of its steps against twice as long ones.
-        own = abs(time - float(fine.track_length) * slowness(v[:-2:2], v[2::2]).mean())
-        assert abs(float(found.transit_time) - time) <= float(found.transit_time_error) + own, bowl
-        lower = float(found.bottleneck_velocity) - float(found.bottleneck_velocity_error)
-        assert lower <= least * (1 + 1e-7), bowl
-
-
-def test_a_magnet_on_a_half_wave_drives_the_whole_track():
-    unit = {**STUDY, "scene": "rectangle-on-plane", "force_harmonic": [-0.25, 0.25]}
-    del unit["delta"]
-    found = vibrafeed.simulate(
-        **unit, outputs=["conveying_velocity", "track_length", "transit_time"],
-        track_fraction={"start": 0, "stop": 1, "num": 201},
-    )  # fmt: skip
-    time = found.track_length * (1.0 / found.conveying_velocity).integrate("track_fraction")
-    assert found.transit_time.values == pytest.approx(time.values, rel=3e-3)
-
-
-def test_the_rate_is_that_of_the_bottleneck():
-    found = vibrafeed.simulate(
-        **STUDY, length=0.02, part_gap=[0, 0.02], outputs=["track_feed_rate", *WHOLE]
-    )
-    rate = 60 * float(found.bottleneck_velocity) / np.array([0.02, 0.04])
-    assert found.track_feed_rate.values == pytest.approx(rate, rel=1e-14)
-
-
 def test_parts_on_the_track_are_felt_where_they_are_taken_to_be():
     names = ["track_amplitude", "effective_mass", "effective_damping"]
-    share = {"load_fraction": 0.4, "track_fraction": 0.4}
     study = {name: value for name, value in STUDY.items() if name != "delta"}
-    study["scene"] = "rectangle-on-plane"
+    study |= {"scene": "rectangle-on-plane", "conveyed_mass": 1.5}
     whole = vibrafeed.simulate(
-        **study, conveyed_mass=1.5, **share, outputs=[*names, "track_radius"]
+        **study, load_fraction=0.4, track_fraction=0.4, outputs=[*names, "track_radius"]
     )
     alone = vibrafeed.simulate(
         scene="rectangle-on-plane", **BOWL, gamma=2, friction=0.3, conveyed_mass=1.5,
@@ -287,20 +199,15 @@ def test_parts_on_the_track_are_felt_where_they_are_taken_to_be():
     )  # fmt: skip
     for name in names:
         assert float(whole[name]) == pytest.approx(float(alone[name]), rel=1e-8)
-    elsewhere = vibrafeed.simulate(
-        **study, conveyed_mass=1.5, load_fraction=0.4, track_fraction=[0, 1], outputs=names
-    )
-    assert elsewhere.effective_mass.dims == ()
-    assert float(elsewhere.effective_mass) == float(whole.effective_mass)
 
 
 def test_a_stretch_that_is_too_steep_lets_none_pass():
-    steep = {**STUDY, "stretch_climb_2": 30}
-    found = vibrafeed.simulate(**steep, length=0.02, outputs=[*WHOLE, "track_feed_rate"])
+    found = vibrafeed.simulate(
+        **{**STUDY, "stretch_climb_2": 30}, length=0.02, outputs=[*WHOLE, "track_feed_rate"]
+    )
     judge = found[found.transit_time.attrs["ancillary_variables"]]
     assert int(judge) == REGIMES["stalls"].value
     assert np.isinf(float(found.transit_time))
-    assert float(found.bottleneck_velocity) <= 0
     assert float(found.bottleneck_fraction) > 0.75
     assert float(found.track_feed_rate) <= 0
 

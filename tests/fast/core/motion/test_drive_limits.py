@@ -11,7 +11,7 @@ from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.plan.plan import plan_scene, run_equations
 
-CELLS = 60
+CELLS = 21
 LIMITS = ("largest_acceleration", "stroke", "largest_jerk")
 AXES = ("along", "across", "normal")
 W = 2 * np.pi * 50.0
@@ -37,7 +37,7 @@ def densely(wave: waves.Wave, of: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("of", waves.COURSES)
-@pytest.mark.parametrize("orders", [1, 2, 3, 10])
+@pytest.mark.parametrize("orders", [1, 3, 10])
 def test_no_look_at_a_sum_of_sines_is_larger(orders: int, of: str) -> None:
     random = np.random.default_rng(orders)
     harmonics = random.normal(size=(3, 2, orders, CELLS))
@@ -62,14 +62,6 @@ def test_no_look_at_steps_is_larger(of: str) -> None:
     assert (found >= looked * (1 - 1e-12)).all()
 
 
-def test_of_two_hills_that_look_alike_the_higher_counts() -> None:
-    given = {"amplitude_along_10": 1e-4, "phase_along_10": np.pi / 2, "amplitude_along_1": 1e-8,
-             "phase_along_1": np.pi / 2, "frequency": 50.0, "gravity": 9.81}  # fmt: skip
-    found = outputs_of(("largest_acceleration_along", "stroke_along"), given)
-    largest = W**2 * (100 * 1e-4 + 1e-8)
-    assert found["largest_acceleration_along"] == pytest.approx(largest, rel=1e-13)
-
-
 def test_one_harmonic_has_the_limits_of_the_sine() -> None:
     amplitude, alpha, beta = 2e-4, 0.3, 0.4
     shared = {"frequency": 50.0, "gravity": 9.81}
@@ -78,12 +70,9 @@ def test_one_harmonic_has_the_limits_of_the_sine() -> None:
     sine = outputs_of(asked, {**shared, "amplitude": amplitude, "alpha": alpha, "beta": beta})
     wave = outputs_of(asked, {**shared, **{f"amplitude_{axis}_1": size for axis, size in
                                            zip(AXES, sizes, strict=True)}})  # fmt: skip
-    exact = {"largest_acceleration": W**2, "stroke": 2.0, "largest_jerk": W**3}
-    for limit, factor in exact.items():
-        for axis, size in zip(AXES, sizes, strict=True):
-            name = f"{limit}_{axis}"
-            assert sine[name] == pytest.approx(factor * size, rel=1e-13)
-            assert wave[name] == pytest.approx(factor * size, rel=1e-13)
+    expected = np.outer([W**2, 2.0, W**3], sizes).ravel()
+    for found in (sine, wave):
+        assert [float(found[name]) for name in asked] == pytest.approx(expected, rel=1e-13)
 
 
 def test_two_levels_have_the_stroke_of_a_throw() -> None:
@@ -97,25 +86,13 @@ def test_two_levels_have_the_stroke_of_a_throw() -> None:
     assert [found[f"{limit}_normal"] for limit in LIMITS] == [0.0, 0.0, 0.0]
 
 
-def test_limits_are_planned_only_if_asked_for() -> None:
-    given = ("frequency", "friction", "amplitude_along_1")
-    system, method, _ = choose_system("rectangle-on-plane", None, given)
-    equations = {
-        e.gives for e in plan_scene(system, method, ("conveying_velocity",), given).equations
-    }
-    assert not equations & {f"{limit}_{axis}" for limit in LIMITS for axis in AXES}
-    assert not equations & {"fastest_velocity", "share_of_fastest"}
-
-
 @pytest.mark.parametrize("size", [0.0, 1e-13])
-@pytest.mark.parametrize("level", [-9.0, 9.0, 30.0])
 @pytest.mark.parametrize("place", [1, 2, 3])
-def test_a_step_of_no_length_is_none(place: int, level: float, size: float) -> None:
+def test_a_step_of_no_length_is_none(place: int, size: float) -> None:
     levels, last = [4.0, -20.0], [1.0, 0.2]
-    levels.insert(place - 1, level)
+    levels.insert(place - 1, 30.0)
     last.insert(place - 1, size)
-    shared = {"frequency": np.array([50.0]), "gravity": np.array([9.81])}
-    shared |= {"friction": np.array([0.5])}
+    shared = {"frequency": 50.0, "gravity": 9.81, "friction": 0.5}
     steps = {f"acceleration_along_{n}": a for n, a in enumerate(levels, 1)}
     steps |= {f"duration_{n}": d for n, d in enumerate(last, 1)}
     plain = {"acceleration_along_1": 4.0, "duration_1": 1.0, "duration_2": 0.2}

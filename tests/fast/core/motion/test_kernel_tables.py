@@ -11,11 +11,8 @@ from vibrafeed.core.motion.tumbling_scene import Tumble, TumblePath
 from vibrafeed.core.quantities import MOTION_MODES
 
 
-def test_columns_of_results_are_the_fields_of_motion():
+def test_columns_of_results_are_the_fields_of_results():
     assert (*constants.Columns._fields, "status") == Motion._fields
-
-
-def test_columns_of_tumbling_are_the_fields_of_its_results():
     assert (*tumbling.COLUMN._fields, "status") == Tumble._fields
     # A path holds time, the state and the lowest gap, and then the corners.
     assert len(TumblePath._fields) == tumbling.PATH.touching + 1

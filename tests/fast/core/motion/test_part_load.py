@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import fsolve
 
 import vibrafeed
-from night import NIGHT, count
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.quantities import MOTION_STATUSES, REGIMES
+from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import drive_units
 
 UNIT = {
@@ -45,15 +43,21 @@ def test_the_chain_from_springs_to_speed_and_what_parts_do_to_it():
     assert float(found.drive_unit_power[-1]) == pytest.approx(2.457305, abs=5e-7)
 
 
-def test_a_fast_slider_weighs_next_to_nothing_and_damps_as_its_friction_does():
-    g, w = 9.80665, 2 * np.pi * 50
-    found = vibrafeed.simulate(
-        scene="rectangle-on-plane", frequency=50, amplitude=20 * g / w**2, beta=2, friction=0.2,
-        outputs=["effective_mass_ratio", "drive_power", "conveying_velocity"],
-    )  # fmt: skip
-    assert float(found.effective_mass_ratio) == pytest.approx(0.00132, abs=5e-6)
-    assert float(found.drive_power) / (g * g / w) == pytest.approx(2.54476, abs=1e-5)
-    assert float(found.conveying_velocity) / (g / w) == pytest.approx(0.30811, abs=5e-6)
+FOUND_BY_STEPS = [  # of unit and part in one time integration, 8,000 steps a period
+    (53.96, 0.0249, 16.4, 84.7, 32758, 45, 1.48, 0.17, 0.5003974e-3),
+    (46.71, 0.0256, 16.3, 51.3, 40257, 63, 0.78, 0.50, 0.3659704e-3),
+    (54.19, 0.0151, 21.6, 26.7, 53687, 11, 0.74, 0.43, 0.1553574e-3),
+]
+NUMBERS = ("ring_down_frequency", "damping_ratio", "spring_angle", "drive_force", "foot_stiffness",
+           "foot_damping", "conveyed_mass", "friction")  # fmt: skip
+
+
+@pytest.mark.parametrize(("numbers", "stepped"), [(row[:-1], row[-1]) for row in FOUND_BY_STEPS])
+def test_unit_and_part_have_the_amplitude_of_one_time_integration(numbers, stepped):
+    """What the other harmonics of the parts do to the track is left out: 1e-3 up to throw 2."""
+    given = {**UNIT, **dict(zip(NUMBERS, numbers, strict=True))}
+    found = vibrafeed.simulate(scene="rectangle-on-plane", **given, outputs=NAMES)
+    assert float(found.track_amplitude) == pytest.approx(stepped, rel=1e-3)
 
 
 def test_a_fast_slider_by_two_equations():
@@ -131,27 +135,6 @@ def test_the_second_harmonic_of_a_half_wave_reaches_the_part(harmonic):
     assert share > 1.03 if harmonic > 0 else share < 0.97
 
 
-def test_a_bowl_on_a_half_wave_moves_as_its_harmonics_say():
-    unit = {**BOWL, "scene": "bowl-drive-unit", "variant": "measured"}
-    names = ["track_amplitude", "vibration_angle", "phase", "second_harmonic"]
-    first = vibrafeed.sweep(**unit, force_harmonic=0.25, outputs=names)
-    twice = vibrafeed.sweep(**{**unit, "frequency": 100, "drive_force": 25}, outputs=names[:3:2])
-    assert float(first.second_harmonic) == pytest.approx(
-        4 * float(twice.track_amplitude / first.track_amplitude), rel=1e-12
-    )
-    drive, angle = {}, np.radians(float(first.vibration_angle))
-    for order, at in ((1, first), (2, twice)):
-        for axis, share in (("along", np.cos(angle)), ("normal", np.sin(angle))):
-            drive[f"amplitude_{axis}_{order}"] = float(at.track_amplitude) * share
-            drive[f"phase_{axis}_{order}"] = float(at.phase) - 90.0  # - cos
-    part = {"scene": "rectangle-on-plane", "friction": 0.4, "outputs": ["conveying_velocity"]}
-    by_hand = vibrafeed.simulate(**part, frequency=50, **drive)
-    found = vibrafeed.simulate(**part, **BOWL, force_harmonic=0.25)
-    assert float(found.conveying_velocity) == pytest.approx(
-        float(by_hand.conveying_velocity), rel=1e-9
-    )
-
-
 def test_the_load_of_parts_under_two_harmonics_is_refused_in_words():
     with pytest.raises(StudyError, match="force of one harmonic") as caught:
         vibrafeed.simulate(**STUDY, conveyed_mass=0.5, force_harmonic=0.25, outputs=NAMES)
@@ -159,81 +142,6 @@ def test_the_load_of_parts_under_two_harmonics_is_refused_in_words():
 
 
 # --- another method
-
-
-@numba.njit
-def amplitude_by_stepping(m1, m2, k, c, k_f, c_f, force, w, beta, m_p, mu, steps, periods):
-    """Return the first harmonic of the trough, its part on it; Moreau's scheme, restitution 0."""
-    dt = 2 * np.pi / w / steps
-    cb, sb, g = np.cos(beta), np.sin(beta), 9.80665
-    x1 = x2 = v1 = v2 = px = pz = vx = vz = 0.0
-    total, settled = 0j, periods // 2
-    for step in range(steps * periods):
-        x1, x2 = x1 + 0.5 * dt * v1, x2 + 0.5 * dt * v2
-        px, pz = px + 0.5 * dt * vx, pz + 0.5 * dt * vz
-        phase = 2 * np.pi * ((step + 0.5) / steps)
-        spring = k * (x1 - x2) + c * (v1 - v2) - force * np.cos(phase)
-        v1 -= dt * spring / m1
-        v2 += dt * (spring - k_f * x2 - c_f * v2) / m2
-        vz -= dt * g
-        if pz - x1 * sb <= 0.0:
-            normal = tangential = 0.0
-            for _ in range(60):
-                more = -(vz - v1 * sb) / (1 / m_p + sb * sb / m1)
-                more = max(normal + more, 0.0) - normal
-                normal, vz, v1 = normal + more, vz + more / m_p, v1 - more * sb / m1
-                rest = abs(more)
-                more = -(vx - v1 * cb) / (1 / m_p + cb * cb / m1)
-                more = min(max(tangential + more, -mu * normal), mu * normal) - tangential
-                tangential, vx, v1 = tangential + more, vx + more / m_p, v1 - more * cb / m1
-                if rest + abs(more) <= 1e-15 * normal:
-                    break
-        x1, x2 = x1 + 0.5 * dt * v1, x2 + 0.5 * dt * v2
-        px, pz = px + 0.5 * dt * vx, pz + 0.5 * dt * vz
-        if step >= settled * steps:
-            angle = 2 * np.pi * ((step + 1) / steps)
-            total += x1 * (np.cos(angle) - 1j * np.sin(angle))
-    return 2 * abs(total) / (steps * (periods - settled))
-
-
-def test_unit_and_part_in_one_time_integration_have_the_same_amplitude():
-    """What the parts' other harmonics do to the track is left out: 1e-3 up to a throw number of 2.
-
-    Where parts of a tenth of the trough's mass are thrown at 3 and 4 it is 1.5 %.
-    """
-    pick = np.random.default_rng(37)
-    regimes, number = set(), 0
-    while number < count(3, 20):
-        f_n = pick.uniform(46, 48.5) if number % 2 else pick.uniform(51.5, 55)
-        unit = {
-            **UNIT,
-            "ring_down_frequency": f_n,
-            "damping_ratio": pick.uniform(0.015, 0.03),
-            "spring_angle": pick.uniform(15, 35),
-            "drive_force": pick.uniform(25, 110),
-            "foot_stiffness": pick.uniform(2e4, 6e4),
-            "foot_damping": pick.uniform(0, 100),
-            "conveyed_mass": pick.uniform(0.3, 1.5),
-            "friction": pick.uniform(0.15, 0.5),
-        }
-        names = [*NAMES, "throw_number"]
-        found = vibrafeed.simulate(scene="rectangle-on-plane", **unit, outputs=names)
-        thrown = float(found.throw_number) > 2.0
-        if thrown and not NIGHT:
-            continue
-        number += 1
-        regimes.add(int(found.regime))
-        m_r = 10 * 30 / 40
-        k = (2 * np.pi * f_n) ** 2 * m_r
-        c = 2 * unit["damping_ratio"] * np.sqrt(k * m_r)
-        stepped = amplitude_by_stepping(
-            10.0, 30.0, k, c, unit["foot_stiffness"], unit["foot_damping"], unit["drive_force"],
-            2 * np.pi * 50, np.radians(unit["spring_angle"]), unit["conveyed_mass"],
-            unit["friction"], 8000, 160,
-        )  # fmt: skip
-        tolerance = 2.5e-2 if thrown else 1e-3
-        assert float(found.track_amplitude) == pytest.approx(stepped, rel=tolerance), unit
-    assert len(regimes) > 1, "only one kind of motion was met"
 
 
 # --- laws
@@ -253,43 +161,24 @@ def test_power_balances_and_vanishing_parts_change_nothing():
     )
 
 
-def test_parts_that_stick_are_a_load_that_lies_still():
-    weak = {**STUDY, "drive_force": 3}
-    moved = vibrafeed.simulate(**weak, conveyed_mass=[0.2, 0.7], outputs=NAMES)
-    assert (moved.conveying_velocity.values == 0).all()
-    still = vibrafeed.simulate(**weak, load_mass=[0.2, 0.7], outputs=NAMES)
-    assert moved.track_amplitude.values == pytest.approx(still.track_amplitude.values, rel=1e-12)
-
-
-def test_a_unit_alone_is_the_sweep_of_its_scene():
-    names = ["track_amplitude", "vibration_angle", "phase", "natural_frequency"]
-    alone = vibrafeed.sweep(scene="linear-drive-unit", variant="measured", **UNIT, drive_force=60,
-                            outputs=names)  # fmt: skip
-    chain = vibrafeed.simulate(**STUDY, outputs=[*names, "conveying_velocity"])
-    for name in names:
-        assert float(chain[name]) == float(alone[name])
-
-
 def test_a_bowl_and_its_parts_agree_on_amplitude_and_angle():
     """The angle that a load of this mass and damping gives is the one that the parts met."""
     names = ["track_amplitude", "vibration_angle", "effective_mass", "effective_damping"]
-    found = vibrafeed.simulate(
-        scene="rectangle-on-track", **BOWL, friction=0.3, conveyed_mass=1.5, outputs=names
-    )
-    mass, damping = float(found.effective_mass), float(found.effective_damping)
+    plane = {"scene": "rectangle-on-plane", "friction": 0.3}
+    found = vibrafeed.simulate(**plane, **BOWL, conveyed_mass=1.5, outputs=names)
+    size, angle, mass, damping = (float(found[name]) for name in names)
     again = vibrafeed.sweep(
         scene="bowl-drive-unit", variant="measured", **BOWL, load_mass=mass, load_damping=damping,
         outputs=names[:2],
     )  # fmt: skip
-    for name in names[:2]:
-        assert float(found[name]) == pytest.approx(float(again[name]), rel=1e-12)
+    assert size == pytest.approx(float(again.track_amplitude), rel=1e-12)
+    assert angle == pytest.approx(float(again.vibration_angle), rel=1e-12)
     ratio = vibrafeed.simulate(
-        scene="rectangle-on-track", frequency=50, amplitude=float(found.track_amplitude),
-        beta=float(found.vibration_angle), friction=0.3, radius=0.25,
+        **plane, frequency=50, amplitude=size, beta=angle,
         outputs=["effective_mass_ratio", "drive_power"],
     )  # fmt: skip
     assert 1.5 * float(ratio.effective_mass_ratio) == pytest.approx(mass, rel=1e-6)
-    speed = float(found.track_amplitude) * 2 * np.pi * 50
+    speed = size * 2 * np.pi * 50
     assert 2 * 1.5 * float(ratio.drive_power) / speed**2 == pytest.approx(damping, rel=1e-6)
 
 
@@ -347,71 +236,6 @@ def test_the_unit_whose_first_agreement_lay_between_two_amplitudes_of_the_table(
     assert float(found.track_amplitude) == pytest.approx(0.8715e-3, abs=1e-6)
     assert float(found.conveying_velocity) == pytest.approx(0.2104, abs=1e-4)
     assert float(found.largest_amplitude) == pytest.approx(1.27711e-3, abs=5e-8)
-
-
-def excess_over_amplitude(unit, amplitude):
-    """Return h at amplitudes [m], of motions that are simulated at each, and if they repeat."""
-    felt = vibrafeed.simulate(
-        scene="rectangle-on-plane", frequency=50, amplitude=amplitude,
-        beta=unit["spring_angle"], friction=unit["friction"],
-        outputs=["effective_mass_ratio", "drive_power", "motion_status"],
-    )  # fmt: skip
-    w, m_p = 2 * np.pi * 50, unit["conveyed_mass"]
-    m_r = unit["moving_mass"] * unit["base_mass"] / (unit["moving_mass"] + unit["base_mass"])
-    k = (2 * np.pi * unit["ring_down_frequency"]) ** 2 * m_r
-    response = drive_units.stroke_response(
-        drive_force=unit["drive_force"], circular_frequency=w, spring_stiffness=k,
-        damping=2 * unit["damping_ratio"] * np.sqrt(k * m_r), foot_stiffness=0.0,
-        foot_damping=0.0, base_mass=unit["base_mass"],
-        loaded_mass=unit["moving_mass"] + m_p * felt.effective_mass_ratio.values,
-        load_damping=2 * m_p * felt.drive_power.values / (w * amplitude) ** 2,
-    )  # fmt: skip
-    repeats = felt.motion_status.values == MOTION_STATUSES["periodic"].value
-    return np.log(response[2] / amplitude), repeats
-
-
-def test_no_agreement_is_missed_that_a_table_ten_times_as_fine_has():
-    """Random units whose force lets h just pass 0 where it turns: two agreements close together."""
-    pick, step, close, tries = np.random.default_rng(53), 0.003, 0, count(8, 300)
-    for _ in range(tries):
-        mass = 10 ** pick.uniform(0.2, 1.3)
-        unit = {
-            "moving_mass": mass, "base_mass": mass * pick.uniform(1.5, 5), "drive_force": 1.0,
-            "ring_down_frequency": pick.uniform(50.1, 56),
-            "damping_ratio": 10 ** pick.uniform(-3, -2), "friction": pick.uniform(0.2, 0.5),
-            "conveyed_mass": mass * pick.uniform(0.2, 1), "spring_angle": pick.uniform(20, 35),
-        }  # fmt: skip
-        one = 9.80665 / ((2 * np.pi * 50) ** 2 * np.sin(np.radians(unit["spring_angle"])))
-        amplitude = one * np.exp(np.arange(np.log(0.8), np.log(5.5), step))
-        h, repeats = excess_over_amplitude(unit, amplitude)
-        way = pick.choice([-1.0, 1.0])
-        turns = 1 + np.flatnonzero((np.diff(way * h[:-1]) < 0) & (np.diff(way * h[1:]) >= 0))
-        turns = turns[(amplitude[turns] > 2.5 * one) & (amplitude[turns] < 5 * one)]
-        if not turns.size:
-            continue
-        turn = pick.choice(turns)
-        beside = way * min(way * h[turn - 1], way * h[turn + 1])
-        unit["drive_force"] = np.exp(-h[turn] - pick.uniform(-1.0, 1.0) * (beside - h[turn]))
-        h += np.log(unit["drive_force"])
-        passes = np.flatnonzero((h[:-1] > 0) != (h[1:] > 0))
-        falls = [at for at in passes if h[at] > 0 and repeats[at : at + 2].all()]
-        if not falls or not repeats[: falls[0]].all():
-            continue
-        found = vibrafeed.simulate(
-            scene="rectangle-on-plane", frequency=50, **unit,
-            outputs=["track_amplitude", "largest_amplitude"],
-        )  # fmt: skip
-        regime, least = int(found.regime), float(found.track_amplitude)
-        assert least < amplitude[falls[0] + 1] * (1 + 1e-9), unit
-        assert float(found.largest_amplitude) > amplitude[falls[-1]] * (1 - 1e-9), unit
-        if regime != REGIMES["hunting"].value:
-            left, _ = excess_over_amplitude(unit, np.array([least]))
-            assert abs(left[0]) < 1e-6, unit
-        if len(passes) > 1:
-            close += 1
-            several = (REGIMES["several_amplitudes"].value, REGIMES["hunting"].value)
-            assert regime in several, unit
-    assert close >= tries / 4, "too few units had agreements close together"
 
 
 @pytest.mark.parametrize(

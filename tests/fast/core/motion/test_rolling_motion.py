@@ -19,7 +19,6 @@ from vibrafeed.core.quantities import REGIMES
 
 TURN = 2 * np.pi
 BALL = {"scene": "sphere-on-plane", "frequency": 50.0, "beta": 20.0}
-KAPS = {"sphere-on-plane": 2.5, "roller-on-plane": 2.0}
 
 
 def simulate(*outputs, **given):
@@ -58,46 +57,6 @@ def test_a_ball_runs_down_whatever_drives_it(kap, along, normal, mu, restitution
     assert down == pytest.approx(known, abs=5e-10)
     assert np.isnan(speed)
     assert (regime, status) == (REGIMES["runaway"].value, STATUS["runaway"])
-
-
-def slips(kap, mu, along, normal, gamma, periods, steps=4000):
-    """Return slip and velocity of a round part in contact at the ends of periods, step by step.
-
-    Exact impulses of a sine over a step; friction by the step's own mean load.
-    """
-    dt, tau = TURN / steps, 0.0
-    s = u = 0.0
-    ends = []
-    for k in range(periods * steps):
-        drive = along * (np.cos(tau) - np.cos(tau + dt)) - np.sin(gamma) * dt
-        load = np.cos(gamma) * dt - normal * (np.cos(tau) - np.cos(tau + dt))
-        f = np.clip(-(s + drive) / (1 + kap), -mu * load, mu * load)
-        s, u = s + drive + (1 + kap) * f, u + drive + f
-        tau = TURN * ((k + 1) % steps) / steps
-        if tau == 0.0:
-            ends.append((s, u))
-    return np.array(ends)
-
-
-def test_the_first_theorem_on_random_drives():
-    random = np.random.default_rng(1)
-    for _ in range(count(6, 60)):
-        kap, mu, along = random.uniform([0.5, 0.02, 0.05], [3, 0.3, 4])
-        normal, gamma = random.uniform([0.0, -0.06], [0.95, 0.06])
-        ends = slips(kap, mu, along, normal, gamma, periods=count(12, 40), steps=500)
-        # u' = (s' + kap D)/(1 + kap): the mean of u' is known once s repeats, whatever f did.
-        change = np.diff(ends, axis=0) / TURN
-        expected = (change[:, 0] - kap * np.sin(gamma)) / (1 + kap)
-        assert np.abs(change[:, 1] - expected).max() < 1e-12
-        given = {**numbers(along, normal, gamma), "friction": mu, "rolling_factor": kap}
-        down, *_ = simulate("mean_acceleration", scene="sphere-on-plane", **given)
-        if abs(change[-1, 0]) < 1e-13:
-            assert change[-1, 1] == pytest.approx(float(down), abs=1e-12)
-        else:  # it still settles, or the slip runs away
-            known = -np.sin(gamma) * kap / (1 + kap)
-            if np.tan(abs(gamma)) > (1 + kap) * mu:
-                known = -np.sin(gamma) + np.sign(gamma) * mu * np.cos(gamma)
-            assert down == pytest.approx(known, abs=1e-15)
 
 
 G = 9.80665
@@ -177,7 +136,7 @@ def test_the_mean_acceleration_by_steps_of_random_parts():
     random, unknown, slipped = np.random.default_rng(6), 0, 0
     phases = np.cos(np.linspace(0, TURN, 101))
     sine = (phases[:-1] - phases[1:]).tolist()
-    for _ in range(count(25, 500)):
+    for _ in range(count(15, 500)):
         kinetic, more = random.choice([0.0, 0.02, 0.1, 0.2]), random.choice([1.0, 1.0, 1.3])
         gamma = random.choice([-1, 1]) * random.uniform(0.005, 0.8)
         along, normal, kap = random.uniform([-1.5, 0, 0.8], [1.5, 1.4, 3])
@@ -203,7 +162,7 @@ def test_the_mean_acceleration_by_steps_of_random_parts():
         stepped = run_down({name: float(value) for name, value in one.items()}, sine)
         assert stepped == pytest.approx(float(down), abs=0.025), one
         slipped += abs(float(down)) > kap / (1 + kap) * abs(np.sin(gamma))
-    assert slipped > 5
+    assert slipped > 3
     assert unknown <= count(1, 10)
 
 
@@ -222,21 +181,6 @@ def test_between_static_and_kinetic_friction_the_drive_decides():
     assert (regime, status) == (REGIMES["rolls_and_slips"].value, STATUS["rolls_and_slips"])
 
 
-def test_a_slip_that_runs_away_has_no_mean_velocity():
-    given = {**BALL, "amplitude": "0.1 mm", "friction": 0.05}
-    slip, *_ = simulate("slip_velocity", gamma=5, rolling_resistance=[0.0, 0.05], **given)
-    assert np.isfinite(slip[0])  # tan(5 deg) is half of 3.5 * 0.05
-    assert np.isnan(slip[1])
-
-
-def test_a_part_without_friction_keeps_its_speed_whatever_resists_its_rolling():
-    down, regime, status = simulate(
-        "mean_acceleration", **BALL, amplitude="0.1 mm", friction=0, rolling_resistance=0.02
-    )
-    assert down == 0
-    assert (regime, status) == (REGIMES["neutral"].value, STATUS["neutral"])
-
-
 def test_a_disc_that_leans_off_its_wall():
     _, regime, _ = simulate(
         "mean_acceleration", scene="disc-on-edge", frequency=50, amplitude="0.1 mm", beta=20,
@@ -246,19 +190,21 @@ def test_a_disc_that_leans_off_its_wall():
 
 
 def test_the_slip_is_that_of_a_block_with_more_friction():
-    kap, mu, along, normal = 2.5, 0.05, 1.0, 0.5
-    ball, *_ = simulate("slip_velocity", scene="sphere-on-plane", friction=mu,
-                        **numbers(along, normal))  # fmt: skip
-    block, *_ = simulate("conveying_velocity", scene="rectangle-on-plane", friction=mu * (1 + kap),
-                         **numbers(along, normal))  # fmt: skip
-    assert ball == block
+    drive = numbers(1.0, 0.5)
+    ball, *_ = simulate("slip_velocity", scene="sphere-on-plane", friction=0.05, **drive)
+    block, *_ = simulate("conveying_velocity", scene="rectangle-on-plane", friction=0.175, **drive)
+    assert ball == pytest.approx(float(block), rel=1e-12)
+    given = {**BALL, "amplitude": "0.1 mm", "friction": 0.05, "gamma": 5}
+    slip, *_ = simulate("slip_velocity", rolling_resistance=[0.0, 0.05], **given)
+    # tan(5 deg) is half of 3.5 * 0.05; with the resistance the slip runs away.
+    assert np.isnan(slip).tolist() == [False, True]
 
 
-def test_on_the_level_it_keeps_its_speed():
+@pytest.mark.parametrize("given", [{"friction": 0.3}, {"friction": 0, "rolling_resistance": 0.02}])
+def test_on_the_level_it_keeps_its_speed(given):
     speed, down, regime, status = simulate(
-        "conveying_velocity", "mean_acceleration", **BALL, amplitude="0.3 mm",
-        friction=0.3,
-    )  # fmt: skip
+        "conveying_velocity", "mean_acceleration", **BALL, amplitude="0.3 mm", **given
+    )
     assert (speed, down) == (0, 0)
     assert (regime, status) == (REGIMES["neutral"].value, STATUS["neutral"])
 
@@ -280,64 +226,6 @@ def test_a_roller_is_conveyed_by_its_rolling_resistance(kap, known):
     block, *_ = simulate("conveying_velocity", scene="rectangle-on-plane", friction=0.02,
                          **numbers(0.05, 0.6))  # fmt: skip
     assert speed / block == pytest.approx(kap / (1 + kap), rel=1e-12)
-
-
-def rolled(kap, resistance, along, normal, gamma, periods, steps):
-    """Return mean velocities over the last period, step by step, of round parts and of blocks.
-
-    A round part has two coordinates, u along and v = r w, and two constraints: no slip, and no
-    turning within the couple c r N. The block has the friction c. Arrays of cases.
-    """
-    dt = TURN / steps
-    u = v = -along * kap / (1 + kap)  # in the swing of the drive, without a mean
-    block = -along
-    edges = np.cos(np.arange(steps + 1) * dt)
-    for _ in range(periods):
-        means = [0.0, 0.0]
-        for k in range(steps):
-            swing = edges[k] - edges[k + 1]
-            drive = along * swing - np.sin(gamma) * dt
-            hold = resistance * (np.cos(gamma) * dt - normal * swing)
-            # f = v' - u - drive and v' = v - kap (f + q): what v' would be without q, and with it.
-            free = (v + kap * (u + drive)) / (1 + kap)
-            turned = np.maximum(np.abs(free) - kap / (1 + kap) * hold, 0.0)
-            ahead = block + drive
-            slid = np.sign(ahead) * np.maximum(np.abs(ahead) - hold, 0.0)
-            new = np.sign(free) * turned
-            means = [means[0] + (u + new) / 2 / steps, means[1] + (block + slid) / 2 / steps]
-            u, v, block = new, new, slid
-    return means
-
-
-def test_the_second_theorem_on_random_drives():
-    random, cases = np.random.default_rng(2), count(20, 200)
-    kap = random.uniform(0.5, 3, cases)
-    resistance = random.uniform(0.03, 0.05, cases)
-    along, normal = random.uniform([[0.1], [0.0]], [[0.3], [0.8]], (2, cases))
-    gamma = random.uniform(-0.5, 0.5, cases) * resistance
-    stepped, block = rolled(
-        kap, resistance, along, normal, gamma, periods=40, steps=count(400, 1000)
-    )
-    assert np.abs(stepped - kap / (1 + kap) * block).max() < 1e-12
-    for case in range(count(8, 200)):
-        given = {
-            **numbers(along[case], normal[case], gamma[case]), "friction": 0.9,
-            "rolling_resistance": resistance[case], "rolling_factor": kap[case],
-        }  # fmt: skip
-        speed, regime, _ = simulate("conveying_velocity", scene="sphere-on-plane", **given)
-        assert regime in (REGIMES["roll"].value, REGIMES["stick"].value)
-        # Such steps are off by a few of them, of the swing: 2 pi/400.
-        assert speed == pytest.approx(stepped[case], abs=5e-3 * along[case])
-
-
-def test_what_hardly_turns_is_a_block_with_the_friction_of_its_rolling():
-    given = {**numbers(0.05, 0.6), "rolling_resistance": 0.02, "friction": 0.3}
-    rolls, *_ = simulate(
-        "conveying_velocity", scene="roller-on-plane", rolling_factor=1e14, **given
-    )
-    block, *_ = simulate("conveying_velocity", scene="rectangle-on-plane", friction=0.02,
-                         **numbers(0.05, 0.6))  # fmt: skip
-    assert rolls == pytest.approx(float(block), rel=1e-13)
 
 
 # --- the limit of traction
@@ -402,26 +290,14 @@ def test_little_friction_rolls_and_slips_and_more_rolls():
 
 
 def test_a_disc_at_the_wall_is_carried_by_its_friction():
-    given = {**numbers(0.4, 0.5), "friction": 0.5, "delta": 10.0}
-    speed, regime, _ = simulate("conveying_velocity", scene="disc-on-edge", wall_friction=0.3,
-                                **given)  # fmt: skip
-    drag, load = 0.3 * np.sin(np.radians(10)), np.cos(np.radians(10))
+    given = {**numbers(0.4, 0.5), "friction": 0.5, "delta": 10.0, "wall_friction": 0.3}
+    speed, regime, _ = simulate(
+        "conveying_velocity", scene="disc-on-edge", rolling_resistance=[0.0, 0.05], **given
+    )
     # Constant friction: the wall's, under a drive along the track alone, does not convey.
-    assert speed == pytest.approx(0, abs=1e-12)
-    assert regime == REGIMES["roll"].value
-    speed, *_ = simulate("conveying_velocity", scene="disc-on-edge", wall_friction=0.3,
-                         rolling_resistance=0.05, **given)  # fmt: skip
-    share, u, steps = 2 / 3, -0.4 * 2 / 3, 4000
-    for _ in range(15):
-        mean = 0.0
-        for k in range(steps):
-            sine = np.sin(TURN * (k + 0.5) / steps)
-            ahead = u + share * TURN / steps * 0.4 * sine
-            hold = share * TURN / steps * (drag + 0.05 * (load - 0.5 * sine))
-            new = np.sign(ahead) * max(0.0, abs(ahead) - hold)
-            mean, u = mean + (u + new) / 2 / steps, new
-    assert speed == pytest.approx(mean, rel=0.01)
-    assert speed > 0
+    assert speed[0] == pytest.approx(0, abs=1e-12)
+    assert regime[0] == REGIMES["roll"].value
+    assert speed[1] == pytest.approx(0.033748, rel=1e-3)  # by steps of a program of its own
 
 
 def test_methods_agree_and_a_study_is_verified():
@@ -434,20 +310,23 @@ def test_methods_agree_and_a_study_is_verified():
     assert "reference" in str(found.attrs)
 
 
-def test_words_for_a_ball_that_does_not_travel():
-    def words(**given):
-        study = {"kind": "simulate", "scene": "sphere-on-plane", "outputs": ["feed_rate"],
-                 "parameters": {"frequency": 50, "amplitude": "0.1 mm", "beta": 20,
-                                "friction": 0.3, "length": "8 mm", **given}}  # fmt: skip
-        return travel_in_words(tabulate(prepare_content(study)))
+DOWN, HALF = "The part does not travel", f"The part does not travel in {percent(0.5)} of the cells"
 
-    down = "The part does not travel: it runs down at 0.35 m/s²."
-    assert words(gamma=2.87) == down
-    both = words(gamma=2.87, rolling_factor=[1.0, 2.5], friction=[0.1, 0.3])
-    assert both == "The part does not travel: it runs down at 0.25 to 0.35 m/s²."
-    half = f"The part does not travel in {percent(0.5)} of the cells: "
-    assert words(gamma=[0, 2.87]) == (
-        f"{half}it runs down at 0.35 m/s². "
-        f"{half}nothing conveys it, and it keeps the speed that it has."
-    )
-    assert words(rolling_resistance=0.05, amplitude="0.02 mm") == ""
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"gamma": 2.87}, f"{DOWN}: it runs down at 0.35 m/s²."),
+        ({"gamma": 2.87, "rolling_factor": [1.0, 2.5], "friction": [0.1, 0.3]},
+         f"{DOWN}: it runs down at 0.25 to 0.35 m/s²."),
+        ({"gamma": [0, 2.87]},
+         f"{HALF}: it runs down at 0.35 m/s². "
+         f"{HALF}: nothing conveys it, and it keeps the speed that it has."),
+        ({"rolling_resistance": 0.05, "amplitude": "0.02 mm"}, ""),
+    ],
+)  # fmt: skip
+def test_words_for_a_ball_that_does_not_travel(given, words):
+    study = {"kind": "simulate", "scene": "sphere-on-plane", "outputs": ["feed_rate"],
+             "parameters": {"frequency": 50, "amplitude": "0.1 mm", "beta": 20,
+                            "friction": 0.3, "length": "8 mm", **given}}  # fmt: skip
+    assert travel_in_words(tabulate(prepare_content(study))) == words

@@ -7,7 +7,7 @@ import pytest
 
 import vibrafeed
 from night import count
-from rows import TURN, cell, followed, path, sines
+from rows import TURN, cell, followed, path
 from vibrafeed.core.motion.kernels.rows.contact import closing
 from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE, row_at
 
@@ -24,46 +24,31 @@ def row_of_frictions(*friction, **more):
 # --- a drift has no mean
 
 
-PAIRS = [((0.01, 0.02), 0.508), ((0.02, 0.03), 0.847), ((0.03, 0.05), 1.355)]
-"""Frictions, and the mean of the velocities of the parts alone [mm/s]."""
-
-
-@pytest.mark.parametrize(("friction", "right"), [*PAIRS, ((0.01, 0.02, 0.04), 0.790)])
+@pytest.mark.parametrize(
+    ("friction", "right"),
+    [((0.01, 0.02), 0.508), ((0.03, 0.05), 1.355), ((0.01, 0.02, 0.04), 0.790)],
+)
 def test_a_row_of_slippery_parts_that_leave_each_other_moves_as_its_parts_do(friction, right):
+    """Right: the mean of the velocities of the parts alone [mm/s]."""
     found = row_of_frictions(*friction)
     alone = vibrafeed.simulate(
         scene="rectangle-on-plane", outputs=OUTPUTS[:1], friction=list(friction), **DRIVE
     ).conveying_velocity.values.mean()
     assert alone * 1e3 == pytest.approx(right, abs=5e-4)
-    assert found.motion_status == 1
-    assert found.period_multiple == 1
+    assert (found.motion_status, found.period_multiple) == (1, 1)
     assert found.platoons == len(friction)
-    assert abs(float(found.conveying_velocity) - alone) <= float(found.conveying_velocity_error)
-    assert float(found.conveying_velocity_error) < 1e-8 * alone * 1e3
-
-
-@pytest.mark.parametrize(
-    "more", [{"beta": 176.5}, {"part_mass_1": 0.5, "part_mass_2": 3}, {"part_restitution": 0.6}]
-)
-def test_slippery_rows_have_the_mean_of_their_parts_or_none(more):
-    """Mirrored, of unequal masses, with rebounds: the parts go apart, or are still on their way."""
-    found = row_of_frictions(*((0.02, 0.01) if "beta" in more else (0.01, 0.02)), **more)
-    way = -1 if "beta" in more else 1
-    assert float(found.conveying_velocity) * way == pytest.approx(
-        0.508029e-3, rel=1e-5, nan_ok=True
-    )
-    assert int(found.motion_status) in (1, 6)
+    error = float(found.conveying_velocity_error)
+    assert abs(float(found.conveying_velocity) - alone) <= error < 1e-8 * alone * 1e3
 
 
 def test_a_drift_in_too_few_periods_to_tell_one_has_no_mean():
     found = row_of_frictions(0.01, 0.02, max_periods=20)
     assert found.motion_status == 6
-    for output in OUTPUTS:
-        assert np.isnan(found[output].values), output
+    assert all(np.isnan(found[output].values) for output in OUTPUTS)
 
 
 def test_no_row_has_a_mean_that_later_periods_contradict():
-    random, seen = np.random.default_rng(3), []
+    random, seen = np.random.default_rng(3), set()
     for _ in range(count(12, 100)):
         n = int(random.integers(2, 5))
         row = cell(
@@ -71,7 +56,7 @@ def test_no_row_has_a_mean_that_later_periods_contradict():
             mass=random.uniform(0.2, 3.0, n), e=random.choice([0.0, 0.5]),
         )  # fmt: skip
         found, name = followed(row)
-        seen.append(name)
+        seen.add(name)
         if name == "limit_reached":
             continue
         row[5] = 8000
@@ -79,17 +64,15 @@ def test_no_row_has_a_mean_that_later_periods_contradict():
         if of_later != "limit_reached":
             apart = abs(found["velocity"] - later["velocity"])
             assert apart <= found["error"] + later["error"]
-    assert {"limit_reached", "periodic"} <= set(seen)
+    assert {"limit_reached", "periodic"} <= seen
 
 
-def test_parts_that_approach_each_other_slowly_have_the_mean_of_those_that_touch():
+@pytest.mark.parametrize("gap", [300.0, 1e5, 1e9])
+def test_parts_that_approach_each_other_slowly_have_the_mean_of_those_that_touch(gap):
     """Rear and front alone have .958 and .589: the gap closes after some 130 periods."""
-    touching, _ = followed(cell(3.0, 0.9, [0.5, 0.3]))
-    for gap in (300.0, 1e5, 1e9):
-        found, name = followed(cell(3.0, 0.9, [0.5, 0.3], gap=[gap]))
-        assert name == "periodic"
-        assert found["velocity"] == pytest.approx(touching["velocity"], abs=1e-10)
-        assert (found["multiple"], found["platoons"]) == (2, 1)
+    found, name = followed(cell(3.0, 0.9, [0.5, 0.3], gap=[gap]))
+    assert (name, found["multiple"], found["platoons"]) == ("periodic", 2, 1)
+    assert found["velocity"] == pytest.approx(0.821698729434, abs=1e-10)  # of those that touch
 
 
 @pytest.mark.parametrize("stop", ["fixed_stop_gap", "track_stop_gap"])
@@ -130,22 +113,17 @@ def true_multiple(row, periods=1500):
 def test_rows_that_alternate_while_they_settle_repeat_in_the_end_after_one_period():
     """Rebounds by 0.9 or 0.6 turn the difference of two velocities round every period."""
     random, seen = np.random.default_rng(17), []
-    for _ in range(count(30, 300)):
+    for _ in range(count(20, 300)):
         n = int(random.integers(2, 5))
-        along, normal = random.uniform(0.5, 6.0), random.uniform(0.5, 3.0)
-        wave = None
-        if random.random() < 0.3:
-            wave = sines([along, along * random.uniform(-0.5, 0.5)], [normal, normal * 0.2])
         row = cell(
-            along, normal, random.uniform(0.1, 0.8, n), mass=random.uniform(0.3, 3.0, n),
-            e=random.choice([0.6, 0.9]), wave=wave,
+            random.uniform(0.5, 6.0), random.uniform(0.5, 3.0), random.uniform(0.1, 0.8, n),
+            mass=random.uniform(0.3, 3.0, n), e=random.choice([0.6, 0.9]),
         )  # fmt: skip
         found, name = followed(row)
         if name == "periodic":
-            right = true_multiple(row)
-            assert found["multiple"] == right or right == 0
-            seen.append(right)
-    assert seen.count(1) > 5
+            seen.append(true_multiple(row))
+            assert found["multiple"] == seen[-1] or seen[-1] == 0
+    assert seen.count(1) > 3
 
 
 def test_cycles_of_two_and_five_periods_stay_what_they_are():
@@ -172,10 +150,3 @@ def test_collisions_are_the_contacts_that_close():
     assert closing(row, 0, 1e-12) == 3
     row.speed[:] = 1.0 + 1e-15, 1.0, 1.0, 1.0, 1.0
     assert closing(row, 0, 1e-12) == 0  # rounding
-
-
-def test_parts_of_frictions_equal_but_for_rounding_do_not_collide():
-    found, name = followed(cell(2.0, 0.6, [0.3, 0.1 + 0.2], mass=[1.0, 2.0]))
-    assert name == "periodic"
-    assert found["collisions"] == 0.0
-    assert found["multiple"] == 1

@@ -7,10 +7,8 @@ import pytest
 
 import vibrafeed
 from night import count
-from rows import TURN, cell, followed, two_level
+from rows import TURN, cell, followed, path, two_level
 from vibrafeed.core.errors import StudyError
-from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.motion.kernels.rows import path_of_row
 from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE, ON_TRACK
 from vibrafeed.core.motion.row_scene import drawn_deviations
 from vibrafeed.core.quantities import REGIMES
@@ -73,54 +71,32 @@ def test_rows_of_unequal_parts_press_on_a_stop_of_the_track_block_by_block():
 # --- laws
 
 
-def random_row(random, most=60):
-    """Return a row of random numbers, free or on a stop, on a slope or not."""
-    n = int(random.integers(2, 6))
-    slope = random.choice([0.0, random.uniform(-0.03, 0.03)])
-    return cell(
-        random.uniform(0.5, 3.0), random.uniform(0.1, 2.5), random.uniform(0.1, 0.8, n),
-        mass=random.uniform(0.3, 3.0, n), gs=np.sin(slope), gn=np.cos(slope), most=most,
-        stop=int(random.integers(3)), stop_gap=random.choice([0.0, 0.4]),
-        gap=random.choice([0.0, 0.3], n - 1),
-    )  # fmt: skip
-
-
-def test_laws_of_rows_on_stops():
+@pytest.mark.parametrize("stop", [ON_TRACK, IN_SPACE])
+def test_laws_of_rows_on_stops(stop):
     random = np.random.default_rng(39)
-    for _ in range(count(12, 3000)):
-        n = int(random.integers(2, 6))
-        px, pz, mu = random.uniform(0.5, 3), random.uniform(0.1, 2.5), random.uniform(0.1, 0.8, n)
-        mass, slope = random.uniform(0.3, 3.0, n), random.uniform(-0.05, 0.05)
-        where = {"gs": np.sin(slope), "gn": np.cos(slope)}
-        stop = int(random.integers(1, 3))
-        found, name = followed(cell(px, pz, mu, mass=mass, stop=stop, **where))
+    for _ in range(count(8, 3000)):
+        n, slope = int(random.integers(2, 6)), random.uniform(-0.05, 0.05)
+        push, mu = random.uniform([0.5, 0.1], [3, 2.5]), random.uniform(0.1, 0.8, n)
+        mass, place = random.uniform(0.3, 3.0, n), {"gs": np.sin(slope), "gn": np.cos(slope)}
+
+        def held(mu, mass, push=push, place=place):
+            return followed(cell(*push, mu, mass=mass, stop=stop, **place))
+
+        found, name = held(mu, mass)
         assert name in ("periodic", "aperiodic", "at_rest", "limit_reached")
         if abs(found["velocity"]) < 1e-9 and stop == IN_SPACE:
             # Momentum: the mean force is that of friction less the weight along the track.
-            bound = mass @ mu * where["gn"]
-            assert abs(found["stop_force"] + mass.sum() * where["gs"]) <= bound * (1 + 1e-9)
-        heavy, _ = followed(cell(px, pz, mu, mass=2.0 * mass, stop=stop, **where))
-        slack = 1e-9 + 4.0 * found["error"] * mass.sum()
+            bound = mass @ mu * place["gn"]
+            assert abs(found["stop_force"] + mass.sum() * place["gs"]) <= bound * (1 + 1e-9)
         if name in ("periodic", "at_rest"):
+            slack = 1e-9 + 4.0 * found["error"] * mass.sum()
+            heavy, _ = held(mu, 2.0 * mass)
             assert heavy["stop_force"] == pytest.approx(2.0 * found["stop_force"], abs=slack)
-            # Two parts of one friction are one of their mass: F_n = n F_1 of equal parts.
-            same = np.full(n, mu[0])
-            many, _ = followed(cell(px, pz, same, mass=mass, stop=stop, **where))
-            one, kind = followed(cell(px, pz, mu[:1], mass=[mass.sum()], stop=stop, **where))
-            if kind != "aperiodic":
-                assert many["stop_force"] == pytest.approx(one["stop_force"], abs=1e-8)
-
-
-def test_parts_never_pass_their_stop():
-    random = np.random.default_rng(40)
-    for _ in range(count(8, 300)):
-        row = random_row(random)
-        parts = int(row[9])
-        contacts = parts - (row[6] == 0)
-        phases = np.linspace(0.0, 20 * TURN, 500)
-        gaps = np.empty((500, contacts))
-        path_of_row(row, phases, np.empty((500, parts)), gaps)
-        assert gaps.min() >= -1e-11
+        # Two parts of one friction are one of their mass: F_n = n F_1 of equal parts.
+        one, kind = held(mu[:1], [mass.sum()])
+        if kind in ("periodic", "at_rest"):
+            many, _ = held(np.full(n, mu[0]), mass)
+            assert many["stop_force"] == pytest.approx(one["stop_force"], abs=1e-8)
 
 
 def test_bounces_of_parts_that_are_pressed_together_end():
@@ -138,44 +114,42 @@ def test_bounces_of_parts_that_are_pressed_together_end():
 DRIVEN = {"scene": "row-on-plane", "frequency": 50, "amplitude": "0.3 mm", "beta": 40}
 
 
-def regime(found):
-    return next(name for name, flag in REGIMES.items() if flag.value == int(found.regime))
+UNIT = {
+    "moving_mass": 10, "base_mass": 30, "damping_ratio": 0.02, "frequency": 50,
+    "ring_down_frequency": 53, "spring_angle": 25, "drive_force": 60,
+}  # fmt: skip
 
 
 def test_a_study_of_a_held_row_has_forces_in_newtons():
     names = ["stop_force", "stop_force_peak", "stop_impulse", "stop_contact_fraction", "feed_rate"]
-    held = {**DRIVEN, "friction": 0.4, "parts": 5, "mass": "10 g", "length": "10 mm"}
-    found = vibrafeed.simulate(**held, fixed_stop_gap=0, outputs=names)
-    assert regime(found) == "blocked"
+    held = {**DRIVEN, "friction": 0.4, "outputs": names, "length": "10 mm"}
+    alike = {"parts": 5, "mass": "10 g"}
+    found = vibrafeed.simulate(**held, **alike, fixed_stop_gap=0)
+    assert found.regime == REGIMES["blocked"].value
     assert float(found.stop_force) == pytest.approx(0.4 * 0.05 * G, rel=1e-12)
     assert float(found.feed_rate) == pytest.approx(0.0, abs=1e-9)
-    found = vibrafeed.simulate(**held, track_stop_gap=0, outputs=names)
-    assert regime(found) == "indeterminate_force"
     own = {f"part_mass_{n}": "10 g" for n in range(1, 6)}
-    again = vibrafeed.simulate(
-        **{key: value for key, value in held.items() if key not in ("mass", "parts")}, **own,
-        track_stop_gap=0, outputs=names,
-    )  # fmt: skip
+    again, found = (
+        vibrafeed.simulate(**held, **masses, track_stop_gap=0) for masses in (own, alike)
+    )
+    assert found.regime == REGIMES["indeterminate_force"].value
     assert float(again.stop_force) == pytest.approx(float(found.stop_force), rel=1e-12)
 
 
 def test_sizes_and_velocities_of_platoons():
-    names = [
-        "platoons",
-        *(f"platoon_{what}_{n}" for what in ("size", "velocity") for n in (1, 2, 3)),
-    ]
     apart = {"part_friction_1": 0.3, "part_friction_2": 0.34, "part_friction_3": 0.28}
+    sizes, speeds = ([f"platoon_{what}_{n}" for n in (1, 2, 3)] for what in ("size", "velocity"))
     found = vibrafeed.simulate(
-        **{**DRIVEN, "beta": 20}, **apart, outputs=[*names, "conveying_velocity", "mean_gap"]
+        **{**DRIVEN, "beta": 20},
+        **apart,
+        outputs=["platoons", *sizes, *speeds, "conveying_velocity"],
     )
-    sizes = np.array([float(found[f"platoon_size_{n}"]) for n in (1, 2, 3)])
-    speeds = np.array([float(found[f"platoon_velocity_{n}"]) for n in (1, 2, 3)])
-    assert sizes.sum() == 3
-    assert np.count_nonzero(sizes) == int(found.platoons)
-    there = sizes > 0
-    assert np.isnan(speeds[~there]).all()
-    assert sizes[there] @ speeds[there] / 3 == pytest.approx(float(found.conveying_velocity))
-    assert (np.diff(speeds[there]) > 0).all()  # those in front are faster
+    size, speed = (np.array([float(found[name]) for name in names]) for names in (sizes, speeds))
+    there = size > 0
+    assert (size.sum(), there.sum()) == (3, found.platoons)
+    assert np.isnan(speed[~there]).all()
+    assert size[there] @ speed[there] / 3 == pytest.approx(float(found.conveying_velocity))
+    assert (np.diff(speed[there]) > 0).all()  # those in front are faster
 
 
 def test_frictions_drawn_by_a_seed_have_the_mean_number_of_platoons():
@@ -206,13 +180,15 @@ def test_drawn_deviations_are_those_of_their_seed():
          "parameters.track_stop_gap"),
         ({"friction_spread": 0.1, "part_friction_1": 0.3, "friction": 0.3, "parts": 3},
          "parameters.friction_spread"),
+        # What a row does to its unit is known of equal parts only.
+        ({**UNIT, "part_friction_1": 0.4, "part_friction_2": 0.3, "conveyed_mass": 1,
+          "amplitude": None, "beta": None}, "parameters.conveyed_mass"),
     ],
 )  # fmt: skip
 def test_what_excludes_each_other_is_said(more, place):
-    parameters = {key: value for key, value in {**DRIVEN, **more}.items() if key != "scene"}
-    study = {"kind": "simulate", "scene": "row-on-plane", "parameters": parameters}
+    given = {key: value for key, value in {**DRIVEN, **more}.items() if value is not None}
     with pytest.raises(StudyError) as caught:
-        prepare_content(study)
+        vibrafeed.simulate(**given, outputs=["conveying_velocity"])
     assert place in [one.place for one in caught.value.problems]
 
 
@@ -224,51 +200,19 @@ def test_no_method_verifies_a_row():
         )  # fmt: skip
 
 
-def test_one_harmonic_moves_rows_as_the_sine_does():
-    sine = vibrafeed.simulate(
-        **DRIVEN, part_friction_1=0.3, part_friction_2=0.4, outputs=["conveying_velocity"]
-    )
-    angle = np.radians(40)
-    wave = vibrafeed.simulate(
-        scene="row-on-plane", frequency=50, amplitude_along_1=3e-4 * np.cos(angle),
-        amplitude_normal_1=3e-4 * np.sin(angle), part_friction_1=0.3, part_friction_2=0.4,
-        outputs=["conveying_velocity"],
-    )  # fmt: skip
-    assert float(wave.conveying_velocity) == pytest.approx(float(sine.conveying_velocity), rel=1e-6)
-
-
-UNIT = {
-    "moving_mass": 10, "base_mass": 30, "damping_ratio": 0.02, "frequency": 50,
-    "ring_down_frequency": 53, "spring_angle": 25, "drive_force": 60,
-}  # fmt: skip
-
-
 def test_a_row_on_a_drive_unit_moves_as_the_amplitude_of_the_unit_says():
-    pair = {"part_friction_1": 0.4, "part_friction_2": 0.3}
-    found = vibrafeed.simulate(
-        scene="row-on-plane", **UNIT, **pair, outputs=["track_amplitude", "conveying_velocity"]
-    )
-    again = vibrafeed.simulate(
-        scene="row-on-plane", frequency=50, amplitude=float(found.track_amplitude), beta=25, **pair,
-        outputs=["conveying_velocity"],
-    )  # fmt: skip
-    assert float(found.conveying_velocity) == pytest.approx(
-        float(again.conveying_velocity), rel=1e-9
-    )
+    row = {"scene": "row-on-plane", "outputs": ["conveying_velocity", "track_amplitude"]}
+    row |= {"part_friction_1": 0.4, "part_friction_2": 0.3}
+    found = vibrafeed.simulate(**row, **UNIT)
+    row["outputs"] = ["conveying_velocity"]
+    size = float(found.track_amplitude)
+    again = vibrafeed.simulate(**row, frequency=50, amplitude=size, beta=25)
+    speed = float(found.conveying_velocity)
+    assert speed == pytest.approx(float(again.conveying_velocity), rel=1e-9)
     loaded = {**UNIT, "friction": 0.4, "conveyed_mass": 0.5, "outputs": ["conveying_velocity"]}
     one = vibrafeed.simulate(scene="rectangle-on-plane", **loaded)
     row = vibrafeed.simulate(scene="row-on-plane", parts=8, **loaded)
     assert float(row.conveying_velocity) == float(one.conveying_velocity)
-
-
-def test_what_a_row_does_to_its_unit_is_known_of_equal_parts_only():
-    parameters = {**UNIT, "part_friction_1": 0.4, "part_friction_2": 0.3}
-    study = {"kind": "simulate", "scene": "row-on-plane"}
-    with pytest.raises(StudyError) as caught:
-        prepare_content({**study, "parameters": {**parameters, "conveyed_mass": 1}})
-    assert [one.place for one in caught.value.problems] == ["parameters.conveyed_mass"]
-    harmonic = prepare_content({**study, "parameters": {**parameters, "force_harmonic": 0.25}})
-    assert harmonic.plan.variant == "events"
 
 
 def test_a_row_that_rebounds_without_end_has_a_path_up_to_there():
@@ -286,8 +230,7 @@ def test_a_row_that_rebounds_without_end_has_a_path_up_to_there():
         gap=[0.0, 0.3, 0.0, 0.0],
         stop=IN_SPACE, e=0.5,
     )  # fmt: skip
-    places, gaps = np.empty((20, 5)), np.empty((20, 5))
-    path_of_row(row, np.linspace(0.0, 6.0 * TURN, 20), places, gaps)
+    places, gaps = path(row, np.linspace(0.0, 6.0 * TURN, 20))
     # Whether it sticks is decided by rounding; that it ends, and where its values end, is not.
     ended = np.isnan(places).any(axis=1)
     assert not ended[0]

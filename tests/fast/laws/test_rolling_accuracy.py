@@ -12,7 +12,7 @@ from many_digits import mp, mpf
 from plans import make_plan
 from vibrafeed.core.scenes import SCENES
 
-POINTS = 150
+POINTS = 60
 EPS = np.finfo(float).eps
 MAX_ULP = 8
 SCENE = SCENES["cylinder-rolling"]

@@ -45,17 +45,8 @@ def prepared(name, **changed):
     return KINDS["simulate"].prepare(study_of(content).model_copy(update=longer))
 
 
-def quick(name):
-    """Return a study that compiles the same code, and is short."""
-    scene, parameters, settings = ENDLESS[name]
-    if scene.endswith("isolated"):
-        return prepared(name, parameters={**parameters, "duration": 0.05})
-    return prepared(name, **dict.fromkeys(settings, 8))
-
-
 @pytest.mark.parametrize("name", ENDLESS)
 def test_a_deadline_ends_a_cell(name):
-    tabulate(quick(name), watch=Watch(deadline=time.monotonic() + 600))  # compiles
     table = tabulate(prepared(name), watch=Watch(deadline=time.monotonic() + DEADLINE))
     assert table.variables["motion_status"].values == NOT_COMPUTED
     for output in set(table.variables) & {"drift_velocity", "conveying_velocity"}:
@@ -64,26 +55,21 @@ def test_a_deadline_ends_a_cell(name):
 
 @pytest.mark.parametrize("name", ["events in space", "events tumbling"])
 def test_a_course_ends_too(name):
-    tabulate(prepared(name, trajectory=10, **dict.fromkeys(ENDLESS[name][2], 8))
-             if "space" in name else quick(name))  # fmt: skip
-    deadline = time.monotonic() + DEADLINE
-    table = tabulate(prepared(name, trajectory=10), watch=Watch(deadline=deadline))
+    watch = Watch(deadline=time.monotonic() + DEADLINE)
+    table = tabulate(prepared(name, trajectory=10), watch=watch)
     assert table.variables["motion_status"].values == NOT_COMPUTED
 
 
 def test_cells_that_were_done_before_the_stop_are_kept():
-    name = "events in space"
-    mixed = {**ENDLESS[name][1], "amplitude": ["0.01 mm", "2.1 mm"]}  # the first rests
-    whole = prepared(name, parameters=mixed)
-    table = tabulate(whole, watch=Watch(deadline=time.monotonic() + DEADLINE, threads=1))
-    assert table.variables["motion_status"].values.tolist() == [
-        MOTION_STATUSES["at_rest"].value, NOT_COMPUTED,
-    ]  # fmt: skip
-    assert table.variables["conveying_velocity"].values[0] == 0
+    mixed = {**CURVE, "amplitude": ["0.01 mm", "2.1 mm"]}  # the first rests
+    watch = Watch(deadline=time.monotonic() + DEADLINE, threads=1)
+    found = tabulate(prepared("events in space", parameters=mixed), watch=watch).to_xarray()
+    done = [MOTION_STATUSES["at_rest"].value, NOT_COMPUTED]
+    assert found.motion_status.values.tolist() == done
+    assert found.conveying_velocity.values[0] == 0
 
 
 def test_a_stop_that_is_asked_for_ends_a_cell_as_a_deadline_does():
-    tabulate(quick("events tumbling"))
     looks = iter((False, False, True))
     watch = Watch(stop=lambda: next(looks, True))
     table = tabulate(prepared("events tumbling"), watch=watch)
@@ -96,7 +82,7 @@ def test_a_stop_that_fails_is_told():
         raise OSError("the disk is gone")
 
     with pytest.raises(OSError, match="the disk is gone"):
-        tabulate(quick("events tumbling"), watch=Watch(stop=fails))
+        tabulate(prepared("events tumbling"), watch=Watch(stop=fails))
 
 
 def test_without_a_stop_nothing_looks():

@@ -17,18 +17,9 @@ def fastest(most: float, static: float, kinetic: float, frequency: float, **more
         "drive_number_along": most / G, "drive_number_normal": 0.0, "gravity_number_along": 0.0,
         "gravity_number_normal": 1.0, "friction_static": static, "friction_kinetic": kinetic,
     } | more  # fmt: skip
-    return float(
-        fastest_velocity(
-            groups=Groups(**numbers),
-            largest_acceleration_along=np.asarray(most),
-            frequency=np.asarray(frequency),
-            gravity=np.asarray(G),
-        )
-    )
-
-
-def test_the_value_of_the_anchor() -> None:
-    assert fastest(3 * G, 0.4, 0.4, 50.0) == pytest.approx(36.1335e-3, rel=1e-5)
+    settings = {"largest_acceleration_along": most, "frequency": frequency, "gravity": G}
+    settings = {name: np.asarray(value) for name, value in settings.items()}
+    return float(fastest_velocity(groups=Groups(**numbers), **settings))
 
 
 @pytest.mark.parametrize(
@@ -39,9 +30,10 @@ def test_the_fastest_wave_reaches_it(
     static: float, kinetic: float, gamma: float, most: float
 ) -> None:
     onto, along = G * np.cos(gamma), G * np.sin(gamma)
-    given = fastest_wave(static * onto - along, kinetic * onto + along, most) | {"gamma": gamma}
-    given |= {"frequency": 50.0, "gravity": G, "friction_static": static}
-    given |= {"friction_kinetic": kinetic}
+    given = fastest_wave(static * onto - along, kinetic * onto + along, most) | {
+        "gamma": gamma, "frequency": 50.0, "gravity": G, "friction_static": static,
+        "friction_kinetic": kinetic,
+    }  # fmt: skip
     asked = ("conveying_velocity", "fastest_velocity", "share_of_fastest")
     found = motions(asked, {name: np.array([value]) for name, value in given.items()})
     assert found["fastest_velocity"][0] > 0
@@ -50,12 +42,13 @@ def test_the_fastest_wave_reaches_it(
 
 @pytest.mark.parametrize(("kind", "count"), KINDS)
 def test_no_random_wave_is_faster(kind: str, count: int) -> None:
-    found = shares(kind, count, 500, np.random.default_rng(count))
-    assert found.size > 450
+    found = shares(kind, count, 200, np.random.default_rng(count))
+    assert found.size >= 180
     assert found.max() <= 1 + 1e-9
 
 
 def test_what_frees_no_part_moves_none() -> None:
+    assert fastest(3 * G, 0.4, 0.4, 50.0) == pytest.approx(36.1335e-3, rel=1e-5)
     assert fastest(0.49 * G, 0.5, 0.4, 50.0) == 0.0
     assert fastest(0.51 * G, 0.5, 0.4, 50.0) > 0.0
     climb = {"gravity_number_along": np.sin(0.2), "gravity_number_normal": np.cos(0.2)}

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -136,30 +133,26 @@ def test_a_pushed_block_topples_beyond_its_angle_only():
 @pytest.mark.parametrize("shape", [block, pin])
 def test_an_impact_of_a_corner_is_that_of_the_impact_scenes(shape):
     draw = np.random.default_rng(3).uniform
-    count, mu, eps = 500, draw(0, 3, 500), draw(0, 1, 500)
-    part = shape(0.03, 0.02)
-    cells, _ = cells_of(part, friction_kinetic=mu, restitution=eps)
-    for number in range(count):
-        cell = cell_of(cells[number])
+    mu, eps = draw(0, 3, 120), draw(0, 1, 120)
+    cells, _ = cells_of(shape(0.03, 0.02), friction_kinetic=mu, restitution=eps)
+    for number, row in enumerate(cells):
+        cell = cell_of(row)
         state, after = np.zeros(len(STATE)), np.empty(len(STATE))
         state[STATE.pitch] = draw(0.05, 1.5)
         s, c = corner_at(cell, 0, state[STATE.pitch])
         rho, kappa = cell.half_diagonal, cell.inertia_ratio
         state[STATE.up] = rho * s
-        state[3:6] = draw(-1, 1), draw(-1, 1), draw(-50, 50)
+        state[3:6] = draw([-1, -1, -50], [1, 1, 50])
         u_n, u_t = state[4] - rho * state[5] * c, state[3] - rho * state[5] * s
         before = state.copy()
         struck = strike(cell, state, after)
         assert struck == (u_n < -SLOW * speed_scale(cell))
         if not struck:
             continue
-        given = [np.asarray(value) for value in
-                 (1 + kappa * c * c, kappa * s * c, 1 + kappa * s * s, u_n, u_t)]  # fmt: skip
-        names = ("G_NN", "G_NT", "G_TT", "u_N", "u_T")
-        expected = impact.pfeiffer_glocker(
-            **dict(zip(names, given, strict=True)),
-            friction=np.asarray(mu[number]), restitution=np.asarray(eps[number]),
-        )  # fmt: skip
+        given = {"G_NN": 1 + kappa * c * c, "G_NT": kappa * s * c, "G_TT": 1 + kappa * s * s,
+                 "u_N": u_n, "u_T": u_t, "friction": mu[number],
+                 "restitution": eps[number]}  # fmt: skip
+        expected = impact.pfeiffer_glocker(**{k: np.asarray(v) for k, v in given.items()})
         change = state - before
         # A dozen operations on velocities of 1 m/s, and divisions by numbers above 0.1.
         assert change[3] == pytest.approx(float(expected.tangential), abs=1e-12)
@@ -190,77 +183,30 @@ def test_a_smooth_corner_loses_what_newton_says(eps):
     assert found.energy_lost == pytest.approx(lost, rel=1e-9, abs=1e-13)
 
 
-def test_a_smooth_elastic_part_keeps_its_energy_and_its_pace():
-    # Each of some ten impacts falls within 4e-15 half diagonals of the plane; the rest is rounding.
-    case = {"part": block(0.03, 0.01), "friction_kinetic": 0.0, "restitution": 1.0}
-    path = tumbling_path(
-        times=np.linspace(0, 1, 201), gap_normal=0.02, pitch=0.4, velocity_along=0.3,
-        gravity=GRAVITY, **case,
-    )  # fmt: skip
-    total = energy(path, case["part"])
-    assert np.ptp(total) <= 1e-11 * total[0]
-    assert np.all(path.velocity_along == 0.3)
-    assert np.all(path.gap_normal >= -1e-12 * 0.016)
-
-
-def test_in_flight_the_spin_stays_and_the_centre_falls():
-    times = np.linspace(0, 0.1, 11)
-    path = tumbling_path(
-        part=pin(0.02, 0.01), times=times, friction_kinetic=0.3, restitution=0.5,
-        gap_normal=1.0, pitch_rate=30.0, velocity_along=0.2, velocity_upward=0.5, gravity=GRAVITY,
-    )  # fmt: skip
-    assert np.all(path.pitch_rate == 30.0)
-    assert path.pitch == pytest.approx(30 * times, abs=1e-13)
-    assert path.along == pytest.approx(0.2 * times, abs=1e-14)
-    assert path.upward == pytest.approx(1.005 + 0.5 * times - GRAVITY * times**2 / 2, abs=1e-14)
-
-
 # --- coming to rest
 
 
 def test_dropped_parts_come_to_rest_on_a_side():
-    case = dropped(200, 7)
-    found = tumbling_motion(duration=4.0, **case)
+    found = tumbling_motion(duration=4.0, **dropped(100, 7))
     assert np.all(found.status == STATUS["settled"])
-    assert np.all(found.resting_side > 0)
     quarter = np.rint(found.pitch / (np.pi / 2))
     assert np.array_equal(found.resting_side, quarter % 4 + 1)
     assert found.pitch == pytest.approx(quarter * np.pi / 2, abs=1e-12)
-    # What is lost is what is missing, by an energy balance that the method does not use.
-    body = case["part"]
-    height = 2 * body.half_diagonal * np.sin(body.corner_angle)
-    low = np.where(quarter % 2 == 0, height, 0.02) / 2
-    angles = [case["pitch"] + turn for turn in
-              (body.corner_angle, np.pi - body.corner_angle,
-               np.pi + body.corner_angle, -body.corner_angle)]  # fmt: skip
-    start = case["gap_normal"] + body.half_diagonal * np.max(np.sin(angles), axis=0)
-    turning = (body.half_diagonal * case["pitch_rate"]) ** 2 / 3
-    total = (case["velocity_along"] ** 2 + turning) / 2 + GRAVITY * (start - low)
-    assert found.energy_lost == pytest.approx(total, rel=1e-6)
 
 
-def test_energy_never_grows_and_no_corner_sinks():
-    case = dropped(12, 11)
-    for number in range(12):
-        given = one(case, number)
-        path = tumbling_path(times=np.linspace(0, 1, 2001), **given)
-        total = energy(path, given["part"])
-        # Order 4 in steps of 1/50 of the scale: 1e-7 of the energy over a run at the very most.
-        assert np.all(np.diff(total) <= 1e-8 * total[0])
-        assert total + path.energy_lost == pytest.approx(total[0], rel=1e-7)
-        assert np.all(path.gap_normal >= -1e-12 * 0.02)
-        assert np.all(np.diff(path.energy_lost) >= 0)
-
-
-def test_the_path_ends_where_the_run_ends():
-    case = one(dropped(3, 17), 1)
-    found = tumbling_motion(duration=2.0, **case)
-    path = tumbling_path(times=[0.0, 1.0, 2.0], **case)
+@pytest.mark.parametrize("number", range(4))
+def test_energy_never_grows_and_no_corner_sinks(number):
+    given = one(dropped(4, 11), number)
+    path = tumbling_path(times=np.linspace(0, 1, 501), **given)
+    total = energy(path, given["part"])
+    # Order 4 in steps of 1/50 of the scale: 1e-7 of the energy over a run at the very most.
+    assert np.all(np.diff(total) <= 1e-8 * total[0])
+    assert total + path.energy_lost == pytest.approx(total[0], rel=1e-7)
+    assert np.all(path.gap_normal >= -1e-12 * 0.02)
+    assert np.all(np.diff(path.energy_lost) >= 0)
     # The path's times cut some steps: the difference is that of two runs of order 4.
-    assert path.pitch[-1] == pytest.approx(float(found.pitch), abs=1e-12)
-    assert path.along[-1] == pytest.approx(2.0 * float(found.velocity), abs=1e-7)
-    assert path.touching[-1].sum() == 2
-    assert path.velocity_along[-1] == path.velocity_upward[-1] == path.pitch_rate[-1] == 0
+    found = tumbling_motion(duration=1.0, **given)
+    assert path.along[-1] == pytest.approx(float(found.velocity), abs=1e-7)
 
 
 def test_a_mirrored_part_moves_as_its_mirror_image():
@@ -294,32 +240,19 @@ def test_a_part_four_times_as_large_takes_twice_as_long():
     assert np.array_equal(scaled.settling_time, 2 * found.settling_time, equal_nan=True)
 
 
-def test_a_block_stands_on_a_slope_until_its_weight_passes_its_edge():
-    # tan(gamma) = base/height; uphill is to the right, so it topples to the left, on side 4.
-    slope = np.arctan(0.01 / 0.03) + np.array([-1e-3, 1e-3])
-    found = tumbling_motion(
-        part=block(0.01, 0.03), friction_kinetic=0.6, restitution=0.0, duration=5.0,
-        gamma=slope, gravity=GRAVITY,
-    )  # fmt: skip
-    assert found.resting_side.tolist() == [1, 4]
-    assert found.settling_time[0] == 0
-    assert np.all(found.status == STATUS["settled"])
-
-
 # --- the vibrating plane
 
 
-def test_below_throw_number_one_a_part_at_rest_stays():
-    for beta in (np.pi / 2, 0.3):
-        # Throw number 0.9 or less, and friction that holds at every phase.
-        amplitude = np.array([0.1, 0.5, 0.9]) * GRAVITY / (2 * np.pi * 50) ** 2
-        found = tumbling_motion(
-            part=block(0.02, 0.01), friction_kinetic=5.0, restitution=0.5, duration=1.0,
-            frequency=50.0, amplitude=amplitude, beta=beta, gravity=GRAVITY,
-        )  # fmt: skip
-        assert np.all(found.status == STATUS["settled"])
-        assert np.all(found.settling_time == 0)
-        assert np.all(found.velocity == 0)
+@pytest.mark.parametrize("beta", [np.pi / 2, 0.3])
+def test_below_throw_number_one_a_part_at_rest_stays(beta):
+    # Throw number 0.9 or less, and friction that holds at every phase.
+    found = tumbling_motion(
+        part=block(0.02, 0.01), friction_kinetic=5.0, restitution=0.5, duration=1.0, beta=beta,
+        frequency=50.0, amplitude=np.array([0.1, 0.9]) * GRAVITY / (100 * np.pi) ** 2,
+        gravity=GRAVITY,
+    )  # fmt: skip
+    assert np.all(found.status == STATUS["settled"])
+    assert not np.any([found.settling_time, found.velocity])
 
 
 def test_above_throw_number_one_it_leaves():
@@ -335,11 +268,12 @@ def test_above_throw_number_one_it_leaves():
     assert found.velocity == pytest.approx(0, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", ["sliding", "stick-slip", "hop on a climb"])
-def test_a_flat_part_is_conveyed_like_a_point(name):
+@pytest.mark.parametrize(
+    ("name", "periods"), [("sliding", 400), ("stick-slip", 40), ("hop on a climb", 40)]
+)
+def test_a_flat_part_is_conveyed_like_a_point(name, periods):
     # The part is so long that it never tips; a hop lands on both ends at once.
     case = MEAN_VELOCITIES[name]
-    periods = 400 if name == "sliding" else 40
     path = tumbling_path(
         part=block(0.2, 0.001), times=np.array([periods, periods + 1]) / case.frequency,
         friction_kinetic=case.friction_kinetic, friction_static=case.friction_static,
@@ -356,20 +290,16 @@ def test_a_flat_part_is_conveyed_like_a_point(name):
 
 def test_where_a_sliding_corner_has_no_solution_the_run_says_so():
     # Rectangle at s = 60 degrees: limiting friction 1.347 (theory 2.5), whatever its shape.
-    part = block(0.02, 0.005)
     pitch = np.pi / 3 - np.arctan2(0.005, 0.02)
-    slides = {"part": part, "pitch": pitch, "restitution": 0.0, "gravity": GRAVITY}
-    mu = np.array([1.0, 1.3471, 1.3472, 2.0])
-    right = tumbling_motion(duration=1e-3, velocity_along=1.0, friction_kinetic=mu, **slides)
+    slides = {"part": block(0.02, 0.005), "pitch": pitch, "restitution": 0.0, "gravity": GRAVITY}
+    slides |= {"duration": 1e-3, "friction_kinetic": np.array([1.3471, 1.3472, 2.0])}
+    right = tumbling_motion(velocity_along=1.0, **slides)
     paradox = right.status == STATUS["no_solution"]
-    assert paradox.tolist() == [False, False, True, True]
+    assert paradox.tolist() == [False, True, True]
     assert np.all(np.isnan(right.settling_time[paradox]))
     # To the left the same corner is dragged: one solution at any friction.
-    left = tumbling_motion(duration=1e-3, velocity_along=-1.0, friction_kinetic=mu, **slides)
+    left = tumbling_motion(velocity_along=-1.0, **slides)
     assert np.all(left.status == STATUS["moving"])
-    path = tumbling_path(times=[0, 1e-3], velocity_along=1.0, friction_kinetic=2.0, **slides)
-    assert not np.isnan(path.along[0])
-    assert np.isnan(path.along[1])
 
 
 # --- the interface
@@ -401,24 +331,8 @@ def test_wrong_values_are_refused(change, message):
     ],
 )
 def test_what_overflows_is_said_by_a_status(change):
-    change = {"part": sphere(1.0), **change}
-    size = change.pop("part")
-    arguments = {"part": size, "friction_kinetic": 0.3, "restitution": 0.5, **change}
+    given = {"part": sphere(1.0), "friction_kinetic": 0.3, "restitution": 0.5, **change}
     with np.errstate(all="ignore"):
-        found = tumbling_motion(duration=0.1, **arguments)
-        path = tumbling_path(times=[0.0, 0.1], **arguments)
+        found = tumbling_motion(duration=0.1, **given)
     assert found.status == STATUS["limit_reached"]
     assert np.isnan(found.pitch)
-    assert np.all(np.isnan(path.along))
-
-
-def test_arguments_broadcast():
-    found = ball(restitution=np.array([[0.0], [0.5]]), gap_normal=np.array([0.1, 0.2, 0.3]))
-    assert {array.shape for array in found} == {(2, 3)}
-    # Without rebound the fall is all.
-    assert found.settling_time[0] == pytest.approx(np.sqrt(2 * np.array([0.1, 0.2, 0.3]) / GRAVITY))
-
-
-def test_the_public_module_loads_without_the_compiler():
-    code = "import sys, vibrafeed.core.motion.tumbling_scene; sys.exit('numba' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
