@@ -26,6 +26,13 @@ def said(line: str, code: int = 0, **more: Any) -> str:
     return " ".join(run(line, code, **more).output.split())
 
 
+def tells(line: str, *sentences: str, code: int = 0, **more: Any) -> None:
+    """Carry out a command, which prints all of some sentences."""
+    told = said(line, code, **more)
+    for sentence in sentences:
+        assert sentence in told
+
+
 def saved(study: str | dict[str, Any], name: str = "study.toml") -> Path:
     """Write a study into a file, by default in the folder where the test is; return its path."""
     path = Path(name)

@@ -1,8 +1,7 @@
 """Windows, as far as a program in Python can tell, for child processes on Linux.
 
-What Windows lacks is told by mypy's stubs of the standard library; names of it that the project
-looks for are taken away. What Windows refuses of files is refused to the whole process, before the
-system is asked, and each refusal is a line in a log.
+What Windows refuses of files is refused to the whole process, before the system is asked, and each
+refusal is a line in a log. Which names Windows lacks is told by mypy's stubs of the standard library.
 
 Not imitated: drive letters, code pages of files, text mode (an `os.open` without O_BINARY is in the
 log), ways to start processes.
@@ -15,12 +14,11 @@ import contextlib
 import errno
 import fcntl
 import functools
-import importlib
 import os
 import re
 import sys
 import types
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -34,13 +32,13 @@ RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\.|$)", re.IGNORECASE)
 # --- in the test
 
 
-def environment(folder: Path, root: Path, hidden: Sequence[str]) -> dict[str, str]:
+def environment(folder: Path, root: Path) -> dict[str, str]:
     """Return the environment of processes that are to find themselves on Windows.
 
-    `root` is the folder of the project's modules, `hidden` are names that are taken away. `folder`
-    takes what the processes need, and the log.
+    `root` is the folder of the project's modules. `folder` takes what the processes need, and the
+    log.
     """
-    told = (f"{root}/", str(folder / "log"), hidden)
+    told = (f"{root}/", str(folder / "log"))
     (folder / "sitecustomize.py").write_text(f"import portable\nportable.install(*{told!r})\n")
     path = os.pathsep.join(map(str, (folder, HERE.parent, HERE.parents[2])))
     return {**os.environ, "PYTHONPATH": path}
@@ -86,16 +84,14 @@ def _public(body: list[ast.stmt], system: str) -> Iterator[str]:
 _root = _log = ""
 
 
-def install(root: str, log: str, hidden: Sequence[str]) -> None:
-    """Take names away; go the ways of Windows, and refuse what Windows refuses of files."""
+def install(root: str, log: str) -> None:
+    """Go the ways of Windows, and refuse what Windows refuses of files."""
     import shutil
-    import signal
     import tempfile
 
     global _root, _log
     _root, _log = root, log
-    fsync, rename, wake_by = os.fsync, os.rename, signal.set_wakeup_fd
-    set_blocking = os.set_blocking
+    fsync, rename = os.fsync, os.rename
 
     def fsync_of_written(file: Any) -> None:
         number = file if isinstance(file, int) else file.fileno()
@@ -108,18 +104,9 @@ def install(root: str, log: str, hidden: Sequence[str]) -> None:
             _refuse(errno.EEXIST, target, "rename to what exists")
         rename(source, target, **options)
 
-    def wake_by_any_pipe(number: int, **options: Any) -> int:
-        if number >= 0:
-            set_blocking(number, False)
-        return wake_by(number, **options)
-
     os.fsync, os.rename, os.O_BINARY = fsync_of_written, rename_to_new, O_BINARY
-    signal.set_wakeup_fd = wake_by_any_pipe
     shutil._use_fd_functions = False
     tempfile.TemporaryFile = tempfile.NamedTemporaryFile
-    for name in hidden:
-        module, _, attribute = name.rpartition(".")
-        delattr(importlib.import_module(module), attribute)
     sys.addaudithook(_look)
 
 

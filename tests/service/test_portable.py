@@ -15,31 +15,24 @@ import pytest
 from portable import MACOS, WINDOWS, environment, lacking
 
 ROOT = Path(__file__).parents[2]
-OPTIONAL = {  # what is looked for, and not needed
-    "core/report.py: os.getloadavg",
-    "core/plan/evaluate.py: os.register_at_fork",
-    "app/cli/studies.py: os.set_blocking",
-}
-SERVICE = "app/jobs/runner.py: fcntl."  # what the service still needs of POSIX
+SERVICE = "app/jobs/runner.py"  # needs `fcntl`
 USE = re.compile(r"(?:\bfrom |\b)(\w+)(?: import |\.)(\w+)")
 
 
 @pytest.mark.parametrize("system", [WINDOWS, MACOS])
-def test_only_the_service_uses_what_another_system_lacks(system):
+def test_only_the_service_needs_what_another_system_lacks(system):
     names = lacking(system)
     assert "fdatasync" in names["os"]  # a look at the stubs: they name what is known
     assert ("flock" in names["fcntl"]) == (system == WINDOWS)
     found = {
         f"{file.relative_to(ROOT)}: {module}.{name}"
-        for folder in ("app", "core", "vibrafeed")
+        for folder in ("app", "core")
         for file in ROOT.glob(f"{folder}/**/*.py")
-        for module, name in USE.findall(file.read_text())
-        if name in names.get(module, ())
+        for module, name in USE.findall(text := file.read_text())
+        if name in names.get(module, ()) and f'hasattr({module}, "{name}")' not in text
     }
-    others = {use for use in found if not use.removeprefix("vibrafeed/").startswith(SERVICE)}
-    wanted = OPTIONAL | {f"vibrafeed/{use}" for use in OPTIONAL}
-    assert others == wanted if system == WINDOWS else others <= wanted
-    assert (others != found) == (system == WINDOWS)
+    assert {use for use in found if not use.startswith(f"{SERVICE}: fcntl.")} == set()
+    assert bool(found) == (system == WINDOWS)
 
 
 def run(program: str, folder: Path, root: Path = ROOT / "vibrafeed", **more: str) -> set[str]:
@@ -50,10 +43,9 @@ def run(program: str, folder: Path, root: Path = ROOT / "vibrafeed", **more: str
     harness = folder / "harness"
     harness.mkdir()
     (folder / "sweep.toml").write_text(SWEEP)
-    hidden = [use.partition(": ")[2] for use in sorted(OPTIONAL)]
     done = subprocess.run(
         [sys.executable, "-c", program],
-        env=environment(harness, root, hidden) | more,
+        env=environment(harness, root) | more,
         cwd=folder,
         capture_output=True,
         encoding="utf-8",
@@ -74,7 +66,6 @@ held = path.open("w")
 read = path.open()
 OURS = f"{os.getcwd()}/ours.py"
 for statement in (
-    "os.set_blocking",
     "os.open('.', os.O_RDONLY)",
     "path.unlink()",
     "path.rename('other')",

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import os
-import pty
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from benchmarks.serving import free_port
 from vibrafeed.app.cli import COMMANDS
-from waiting import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {
@@ -65,21 +62,3 @@ def test_commands_load_what_they_need(calls, allowed, tmp_path):
     if not allowed:
         assert {f"vibrafeed.app.cli.{name}" for name in COMMANDS} <= modules
         assert not any(name.startswith("vibrafeed.core.study") for name in modules)
-
-
-def test_who_starts_it_by_hand_reads_which_address_to_open(tmp_path):
-    port = free_port()
-    ours, theirs = pty.openpty()
-    process = subprocess.Popen(
-        [sys.executable, "-m", "vibrafeed", "serve", "--port", str(port)],
-        env={**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(tmp_path)},
-        stdout=theirs, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    try:
-        first, *_ = os.read(ours, 1000).decode().splitlines()
-    finally:
-        process.terminate()
-        process.wait(PATIENCE)
-        os.close(ours)
-        os.close(theirs)
-    assert first == f"Open http://127.0.0.1:{port}/ in a browser; Ctrl-C stops the service."

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from commands import run, said
+from commands import run, said, tells
 from vibrafeed.app.cli.new import new
 from vibrafeed.app.cli.questions import QUESTIONS
 from vibrafeed.app.cli.starter import STARTERS
@@ -62,15 +62,15 @@ def test_options_answer_questions():
 
 def test_somebody_at_a_terminal_is_asked_and_asked_again(terminal):
     answers = ["how", "speed", "block", "", "", "fifty", "60 m", "60 Hz", "", "", "0.4", "30 mm"]
-    told = said("new study.toml", input="\n".join(answers) + "\n")
-    for words in (
+    tells(
+        "new study.toml",
         "'how' is not one of the answers. "
         "Please answer speed or drive or forces or springs or which-way.",
         "'fifty' is not a number with a unit. Write frequency = ",
         "'m' does not measure frequency.",
         "how fast a part travels",
-    ):
-        assert words in told
+        input="\n".join(answers) + "\n",
+    )
     assert tomllib.loads(Path("study.toml").read_text())["parameters"] == {
         "gamma": "2 deg", "frequency": "60 Hz", "amplitude": "0.3 mm", "beta": "20 deg",
         "friction": 0.4, "length": "30 mm",

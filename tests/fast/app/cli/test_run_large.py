@@ -11,7 +11,7 @@ from collections import namedtuple
 import pytest
 import xarray
 
-from commands import run, said, saved
+from commands import run, said, saved, tells
 from vibrafeed.core.intake import parse_study, read_toml
 from vibrafeed.core.kinds import open_lazily, prepare
 from vibrafeed.core.lazy import store
@@ -107,14 +107,15 @@ def test_what_is_done_is_kept_and_the_same_command_goes_on(
 
 def test_a_large_netcdf_says_that_it_begins_anew(here, monkeypatch, wanted):
     breaks(monkeypatch, "compute_block", ctrl_c)
-    told = said("run study.toml -o a.nc", 1)
-    assert "it was stopped; nothing is written. A run to Zarr would go on." in told
+    words = "it was stopped; nothing is written. A run to Zarr would go on."
+    tells("run study.toml -o a.nc", words, code=1)
     assert [path.name for path in here.iterdir()] == ["study.toml"]
-    told = said("run study.toml -o a.nc")
-    assert re.search(r"41,600 cells, \S+ bytes before compression; a run to NetCDF that", told)
-    assert "begins anew, one to Zarr (-o x.zarr) goes on; " in told
-    assert "41,600 cells, 0.000" in told
-    assert "Ranges of values are not printed above 0.0001 GB." in told
+    tells(
+        "run study.toml -o a.nc",
+        " bytes before compression; a run to NetCDF that is stopped begins anew, one to Zarr",
+        "41,600 cells, 0.000",
+        "Ranges of values are not printed above 0.0001 GB.",
+    )
     with xarray.open_dataset("a.nc") as found:
         check(found, wanted)
 

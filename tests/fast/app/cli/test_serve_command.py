@@ -6,10 +6,12 @@ import json
 import os
 import socket
 import tempfile
+from types import SimpleNamespace
 
 import pytest
 
-from commands import run, said
+from benchmarks.serving import free_port
+from commands import run, tells
 
 SERVE = "serve --port 0"
 
@@ -36,7 +38,15 @@ def test_settings_come_from_the_environment(monkeypatch):
     monkeypatch.setenv("VIBRAFEED_MAX_CELLS", "1234")
     assert json.loads(run("serve --show-settings").output)["max_cells"] == 1234
     monkeypatch.setenv("VIBRAFEED_MAX_CELLS", "many")
-    assert "VIBRAFEED_MAX_CELLS" in said("serve --show-settings", 2)
+    tells("serve --show-settings", "VIBRAFEED_MAX_CELLS", code=2)
+
+
+def test_who_starts_it_by_hand_reads_which_address_to_open(monkeypatch):
+    terminal = SimpleNamespace(stdout=SimpleNamespace(isatty=lambda: True))
+    monkeypatch.setattr("vibrafeed.app.cli.serve.sys", terminal)
+    port = free_port()
+    words = f"Open http://127.0.0.1:{port}/ in a browser; Ctrl-C stops the service."
+    tells(f"serve --port {port}", words)
 
 
 @pytest.mark.parametrize(
