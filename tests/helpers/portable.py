@@ -1,7 +1,7 @@
 """Windows, as far as a program in Python can tell, for child processes on Linux.
 
 What Windows refuses of files is refused to the whole process, before the system is asked, and each
-refusal is a line in a log. Which names Windows lacks is told by mypy's stubs of the standard library.
+refusal is a line in a log. Which names Windows lacks is told by mypy's stubs.
 
 Not imitated: drive letters, code pages of files, text mode (an `os.open` without O_BINARY is in the
 log), ways to start processes.
