@@ -12,9 +12,14 @@ from waiting import PATIENCE
 
 
 @pytest.fixture(scope="session")
-def address():
-    with served(workers=1) as server:
-        yield server.address
+def server():
+    with served(workers=1) as found:
+        yield found
+
+
+@pytest.fixture(scope="session")
+def address(server):
+    return server.address
 
 
 @pytest.fixture(scope="module")

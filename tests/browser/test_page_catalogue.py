@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import re
-import urllib.request
 from itertools import product
 from typing import Any
 
 import pytest
 from playwright.sync_api import Page, Request, expect
 
+from benchmarks.serving import Served
 from looking import NUMBER, SENTENCE, numbers, posted
 from night import NIGHT, spread
-from waiting import PATIENCE
 
 QUESTIONS = (
     "speed", "hop", "resting", "drive", "waves", "springs", "uncertain", "measured", "rows",
@@ -24,13 +22,11 @@ OWN_MAKING = re.compile("trajectory|has no output|is not a parameter|page has an
 FACTORS = (1, 1e3, 100, 1e4, 1e-6, 1e-3)
 
 
-def views(address: str) -> list[tuple[str, tuple[str, str, str]]]:
+def views(server: Served) -> list[tuple[str, tuple[str, str, str]]]:
     """Return what is looked at: by night everything, by day some, each with another question."""
-    with urllib.request.urlopen(f"{address}/scenes", timeout=PATIENCE) as reply:
-        scenes = json.load(reply)
     every = [
         (kind, scene["name"], choice)
-        for scene in scenes
+        for scene in server.get("/scenes")
         for kind, of in (("simulate", "methods"), ("sweep", "variants"))
         for choice in scene[of]
     ]
@@ -39,7 +35,7 @@ def views(address: str) -> list[tuple[str, tuple[str, str, str]]]:
     return [*zip(QUESTIONS, spread(every, len(QUESTIONS)), strict=True)]
 
 
-def test_every_system_by_every_method_answers_every_question(page: Page, address: str) -> None:
+def test_every_system_by_every_method_answers_every_question(page: Page, server: Served) -> None:
     studies: list[Any] = []
 
     def hear(request: Request) -> None:
@@ -47,11 +43,11 @@ def test_every_system_by_every_method_answers_every_question(page: Page, address
             studies.append(request.post_data_json)
 
     page.on("request", hear)
-    for question, (kind, scene, choice) in views(address):
+    for question, (kind, scene, choice) in views(server):
         link = f"#question={question}&kind={kind}&scene={scene}&choice={choice}"
         page.goto("about:blank")
         studies.clear()
-        page.goto(f"{address}/{link}")
+        page.goto(f"{server.address}/{link}")
         expect(page.locator("#answer"), link).to_have_attribute("aria-busy", "false")
         expect(page.locator(NUMBER), link).not_to_be_empty()
         expect(page.locator("#notice"), link).to_be_empty()
@@ -65,7 +61,7 @@ def test_every_system_by_every_method_answers_every_question(page: Page, address
             if study["kind"] == kind
             and not any(isinstance(v, dict | list) for v in study["parameters"].values())
         )
-        value = posted(address, one)[output]
+        value = posted(server.address, one)[output]
         if value and abs(value) > 1e-9:
             shown = numbers(page.locator("#answer .answer").inner_text())[0]
             assert shown in [pytest.approx(value * by, rel=1e-2, abs=1e-9) for by in FACTORS], link

@@ -27,30 +27,10 @@ POSTS = re.compile("/(execution|sweeps)$")
 WEIGHT = "one => getComputedStyle(one).fontWeight"
 
 
-class Held:
-    """Requests that compute something, held back until they are let go."""
-
-    def __init__(self, page: Page) -> None:
-        self.routes: list[Route] = []
-        self.holds = True
-        page.route(POSTS, self.hear)
-
-    def hear(self, route: Route) -> None:
-        if self.holds:
-            self.routes.append(route)
-        else:
-            route.continue_()
-
-    def let_go(self) -> None:
-        self.holds = False
-        for route in self.routes:
-            with suppress(Error):  # one that the page has left meanwhile
-                route.continue_()
-
-
 def test_a_number_that_is_not_of_the_fields_is_dimmed(page: Page, address: str) -> None:
     opened(page, address)
-    held = Held(page)
+    held: list[Route] = []
+    page.route(POSTS, lambda route: held.append(route))
     entered(page, "#value-friction", "0.6")
     for place in PLACES:
         expect(page.locator(place)).to_have_class(STALE)
@@ -65,7 +45,10 @@ def test_a_number_that_is_not_of_the_fields_is_dimmed(page: Page, address: str) 
     expect(told).to_have_text(
         re.compile(r'"abc" is not a number.*; 20 ° holds until it is corrected\.$')
     )
-    held.let_go()
+    page.unroute(POSTS)
+    for route in held:
+        with suppress(Error):  # one that the page has left meanwhile
+            route.continue_()
     for place in PLACES:
         expect(page.locator(place)).not_to_have_class(STALE)
     expect(page.locator(NUMBER)).to_have_text("75.5")

@@ -22,7 +22,6 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-HERE = Path(__file__).resolve()
 LINUX, WINDOWS, MACOS = "linux", "win32", "darwin"  # as `sys.platform` calls them
 O_BINARY = 0o100000  # Linux has O_LARGEFILE there, which changes nothing
 FORBIDDEN = re.compile(r'[<>:"|?*\\\x00-\x1f]|[. ]$')
@@ -30,18 +29,6 @@ RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\.|$)", re.IGNORECASE)
 
 
 # --- in the test
-
-
-def environment(folder: Path, root: Path) -> dict[str, str]:
-    """Return the environment of processes that are to find themselves on Windows.
-
-    `root` is the folder of the project's modules. `folder` takes what the processes need, and the
-    log.
-    """
-    told = (f"{root}/", str(folder / "log"))
-    (folder / "sitecustomize.py").write_text(f"import portable\nportable.install(*{told!r})\n")
-    path = os.pathsep.join(map(str, (folder, HERE.parent, HERE.parents[2])))
-    return {**os.environ, "PYTHONPATH": path}
 
 
 @functools.cache

@@ -5,6 +5,7 @@ No Windows and no Mac was at hand. The harness, and what it cannot imitate, is i
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from portable import MACOS, WINDOWS, environment, lacking
+from portable import MACOS, WINDOWS, lacking
 
 ROOT = Path(__file__).parents[2]
 SERVICE = "app/jobs/runner.py"  # needs `fcntl`
@@ -44,10 +45,13 @@ def run(program: str, folder: Path, root: Path = ROOT / "vibrafeed", **more: str
     """
     harness = folder / "harness"
     harness.mkdir()
+    told = (f"{root}/", str(harness / "log"))
+    (harness / "sitecustomize.py").write_text(f"import portable\nportable.install(*{told!r})\n")
     (folder / "sweep.toml").write_text(SWEEP)
+    path = os.pathsep.join(map(str, (harness, ROOT / "tests" / "helpers", ROOT)))
     done = subprocess.run(
         [sys.executable, "-c", program],
-        env=environment(harness, root) | more,
+        env={**os.environ, "PYTHONPATH": path, **more},
         cwd=folder,
         capture_output=True,
         encoding="utf-8",
