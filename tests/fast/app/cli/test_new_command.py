@@ -15,11 +15,11 @@ from vibrafeed.app.cli.starter import STARTERS
 from vibrafeed.core.intake import load_study, prepare_content, read_toml
 from vibrafeed.core.study.unusual import questions
 
-PARTS = ("--part rectangle --track straight", "--part rectangle --track bowl", "--part cylinder")
+OF_PARTS = ["--part rectangle", "--part rectangle --track bowl", "--part cylinder"]
 STARTED = [
     f"--question {question} {part}"
     for question in STARTERS
-    for part in {"springs": PARTS[:1], "which-way": ("--part rectangle",)}.get(question, PARTS)
+    for part in {"springs": OF_PARTS[::2], "which-way": [""]}.get(question, OF_PARTS)
 ]
 
 

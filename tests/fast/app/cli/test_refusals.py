@@ -83,7 +83,7 @@ REFUSED = {
     "run huge.toml -o x.xlsx": (2, "3,600,000 rows in a sheet of Excel, the limit is 1,048,575"),
     "export x.nc -o y.csv --zarr-version 2": (2, "--zarr-version: it is for Zarr only"),
     "export x.nc -o y.nc --units trade": (2, ".nc files keep the units of the result"),
-    "export x.nc -o a.zarr": (2, GROUP),
+    "export x.nc -o x.zarr": (2, "exists already. Remove the existing output, or give another"),
     "export x.nc -o table.csv": (2, f"table.csv {EXISTS}"),
     "export table.csv -o y.xlsx": (
         2,
@@ -193,6 +193,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, text in files.items():
         saved(text, str(found / name))
     run(f"run {found}/study.toml -o {found}/x.nc")
+    run(f"export {found}/x.nc -o {found}/x.zarr")
     run(f"run {found}/motion.toml")
     return found
 

@@ -61,13 +61,13 @@ def no_space() -> None:
     raise OSError(28, "No space left on device")
 
 
-def breaks(monkeypatch: pytest.MonkeyPatch, name: str, fault) -> None:
-    """Let something happen at the sixth call of a function of the store."""
+def breaks(monkeypatch: pytest.MonkeyPatch, name: str, fault, call: int = 6) -> None:
+    """Let something happen at a call of a function of the store."""
     plain, calls = getattr(store, name), []
 
     def broken(*arguments):
         calls.append(arguments)
-        if len(calls) == 6:
+        if len(calls) == call:
             fault()
         return plain(*arguments)
 
@@ -75,26 +75,28 @@ def breaks(monkeypatch: pytest.MonkeyPatch, name: str, fault) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "fault", "words"),
+    ("name", "fault", "call", "words"),
     [
         (
             "compute_block",
             ctrl_c,
+            6,
             r"it was stopped; \d+ of \d+ blocks are done, about [\d,]+ of 41,600 cells\. What is "
             r"done is kept in \.a\.zarr\.partial\. To go on, give the same command with --resume\.",
         ),
         (
             "put",
             no_space,
+            30,
             r"a\.zarr cannot be written: No space left on device\. "
             r"What is done is kept; the same command with --resume goes on\.",
         ),
     ],
 )
 def test_what_is_done_is_kept_and_the_same_command_goes_on(
-    here, monkeypatch, wanted, name, fault, words
+    here, monkeypatch, wanted, name, fault, call, words
 ):
-    breaks(monkeypatch, name, fault)
+    breaks(monkeypatch, name, fault, call)
     assert re.search(words, said("run study.toml -o a.zarr", 1))
     assert not (here / "a.zarr").exists()
     told = said("run study.toml -o a.zarr --resume")
