@@ -1,26 +1,22 @@
-"""The page by night: in Firefox too, under random actions, and in the states of its pictures."""
+"""The page by night: in Firefox too, and under random actions."""
 
 from __future__ import annotations
 
 import asyncio
 import csv
-import json
 import random
-import struct
-from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import expect
 
-from benchmarks import page_pictures
 from benchmarks.browsing import browsed
 from bidi import Tab, firefox
 from links import NUMBERS, SCRIPTS, TEXTS
 from looking import watched
 from night import count
-from services import Service, services
+from services import services
 from tools import tool
 from waiting import PATIENCE, awaited
 
@@ -46,7 +42,6 @@ SAVE = """(() => {
   items.find((one) => one.textContent === "Table (CSV)").click();
 })()"""
 ACTIONS = count(200, 2000, "VIBRAFEED_FUZZ_ACTIONS")
-IN_FIREFOX = ACTIONS // 10
 SEED = 34
 MONKEY = (Path(__file__).parent / "monkey.js").read_text()
 KINDS = {
@@ -72,41 +67,36 @@ def page():
         yield found
 
 
-def in_firefox(walk: Callable[[Tab], Awaitable[None]], service: Service, folder: Path) -> None:
-    """Let a tab of Firefox be walked through; it complains of nothing, and asks nobody else."""
+async def to_a_file(tab: Tab, address: str, folder: Path) -> None:
+    """Go from the empty page to a drawn map, a motion, and a file of all its values."""
+    await tab.go(f"{address}/{LINK}")
+    await tab.until(SHOWN)
+    across, up = map(int, (await tab.evaluate(SIZE)).split(" x "))
+    assert across == up
+    assert 30 < up <= 100  # as fine as this machine draws it in time, and finer than at first
+    assert await tab.evaluate(COLOURS) > 8
+    await tab.click(*map(float, (await tab.evaluate(MIDDLE)).split()))
+    await tab.until("""document.querySelector("#detail .panels polyline")""")
+    assert "mm/s" in await tab.evaluate("""document.querySelector("#answer .answer").textContent""")
+    await tab.evaluate(SAVE)
+    text = await awaited(lambda: "".join(path.read_text() for path in folder.glob("*.csv")))
+    rows = list(csv.DictReader(text.splitlines()))
+    assert len(rows) == across * up
+    assert {"amplitude [m]", "beta [degree]", "conveying_velocity [m s-1]"} <= set(rows[0])
+
+
+def test_from_the_empty_page_to_a_file_in_firefox(service, tmp_path):
     program = tool("firefox-esr", "firefox")
 
     async def walked() -> Tab:
-        async with firefox(program, folder) as tab:
-            await walk(tab)
+        async with firefox(program, tmp_path) as tab:
+            await to_a_file(tab, service.address, tmp_path / "saved")
         return tab
 
     tab = asyncio.run(walked())
     assert tab.told == []
     own = (service.address, "data:", "blob:")
     assert [one for one in tab.asked if not one.startswith(own)] == []
-
-
-def test_from_the_empty_page_to_a_file_in_firefox(service, tmp_path):
-    async def walk(tab: Tab) -> None:
-        await tab.go(f"{service.address}/{LINK}")
-        await tab.until(SHOWN)
-        across, up = map(int, (await tab.evaluate(SIZE)).split(" x "))
-        assert across == up
-        assert 30 < up <= 100  # as fine as this machine draws it in time, and finer than at first
-        assert await tab.evaluate(COLOURS) > 8
-        await tab.click(*map(float, (await tab.evaluate(MIDDLE)).split()))
-        await tab.until("""document.querySelector("#detail .panels polyline")""")
-        answer = """document.querySelector("#answer .answer").textContent"""
-        assert "mm/s" in await tab.evaluate(answer)
-        await tab.evaluate(SAVE)
-        saved = tmp_path / "saved"
-        text = await awaited(lambda: "".join(path.read_text() for path in saved.glob("*.csv")))
-        rows = list(csv.DictReader(text.splitlines()))
-        assert len(rows) == across * up
-        assert {"amplitude [m]", "beta [degree]", "conveying_velocity [m s-1]"} <= set(rows[0])
-
-    in_firefox(walk, service, tmp_path)
 
 
 def action(chance: random.Random) -> dict[str, Any]:
@@ -137,34 +127,3 @@ def test_random_actions_leave_address_fields_and_picture_of_one_mind(page, servi
         if chance.random() < REST or not left:
             page.evaluate("settled()")
             assert page.evaluate("disagreements()") == [], done[-8:]
-
-
-def test_random_actions_in_firefox(service, tmp_path):
-    async def walk(tab: Tab) -> None:
-        await tab.go(f"{service.address}/")
-        await tab.evaluate(f"(() => {{{MONKEY}}})()")
-        chance, done = random.Random(SEED), []
-        for _ in range(IN_FIREFOX):
-            done.append(action(chance))
-            await tab.evaluate(f"act({json.dumps(done[-1])}).then(settled).then(() => 0)")
-            told = "disagreements().then((found) => JSON.stringify(found))"
-            assert json.loads(await tab.evaluate(told)) == [], done[-8:]
-
-    in_firefox(walk, service, tmp_path)
-
-
-def size_of(png):
-    return struct.unpack(">II", png[16:24])
-
-
-def test_each_state_of_the_pictures_is_reached_and_fits_a_desk_and_a_phone(page, service):
-    told = (page_pictures.FOLDER.parent / "page.md").read_text()
-    assert len(page_pictures.STATES) == 8
-    for state in page_pictures.STATES:
-        page_pictures.reach(page, service.address, state)
-        for name, picture in page_pictures.pictures(page, state):
-            wide = page.evaluate("document.documentElement.scrollWidth")
-            assert wide <= page.viewport_size["width"], name
-            assert size_of(picture) == tuple(page.viewport_size.values())
-            assert f"(page/{name})" in told
-            assert size_of((page_pictures.FOLDER / name).read_bytes()) == size_of(picture)

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import structlog
 from fastapi import Request
 from fastapi.responses import StreamingResponse
 from fastapi.testclient import TestClient
@@ -176,9 +175,3 @@ def test_lines_of_uvicorn_look_alike(lines):
     (line,) = lines()
     assert line.pop("timestamp")
     assert line == {"event": "on x", "level": "info", "logger": "uvicorn.error"}
-
-
-def test_making_an_app_leaves_the_log_alone(tmp_path):
-    before = logging.getLogger().handlers[:], structlog.is_configured()
-    create_app(Settings(data_directory=tmp_path))
-    assert (logging.getLogger().handlers[:], structlog.is_configured()) == before

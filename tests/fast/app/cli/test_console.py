@@ -12,7 +12,6 @@ from rich.console import Console
 
 from commands import run, saved, tells
 from pictures import legend
-from schemas import expanded
 from vibrafeed.app.cli import COMMANDS, GONE, console
 from vibrafeed.app.cli.console import block_lines, plain_lines
 from vibrafeed.app.cli.units import format_number, shown_range
@@ -172,14 +171,6 @@ def test_the_catalogue_has_units_equations_and_validity():
         "a": [None, 1.5],
         "b": [None],
     }
-
-
-def test_the_schema_is_that_of_all_kinds_of_studies():
-    schema = json.loads(run("scenes --schema").output)
-    kinds = ("sweep", "simulate", "optimise", "sensitivity", "calibrate")
-    for kind, part in zip(kinds, schema["oneOf"], strict=True):
-        assert part["properties"]["kind"]["const"] == kind
-        assert "frequency" in expanded(part["properties"]["parameters"], schema)["properties"]
 
 
 def test_the_schema_is_kept_until_a_source_changes(here, monkeypatch):

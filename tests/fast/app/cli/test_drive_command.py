@@ -45,13 +45,6 @@ def test_the_stroke_has_a_line_and_unusual_numbers_a_question(part):
     tells(f"{PART} --rate 2", words)
 
 
-@pytest.mark.parametrize("heading", ["Zeit [s]", "Messzeit [s]", "Zeit in s", "Zeit", "Uhr (s)"])
-def test_a_column_of_times_is_found_by_its_unit_or_name(part, heading):
-    rows = part.replace("time [s]", heading).replace(",", ";").replace(".", ",")
-    saved(rows, "part.csv")
-    tells(PART, "line of the stroke: 0.2236")
-
-
 def test_the_toml_is_the_parameters_of_a_study():
     told = run(f"{DRIVE} --toml -o part.toml").stdout
     assert told == Path("part.toml").read_text()

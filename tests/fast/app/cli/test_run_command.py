@@ -132,13 +132,6 @@ def test_a_terminal_shows_no_binary_file(monkeypatch):
     assert "a terminal cannot show .nc. Write -o - for CSV" in said("run study.toml -o -.nc", 2)
 
 
-def test_what_a_file_of_matlab_cannot_hold_is_told_before_it_is_computed(monkeypatch):
-    monkeypatch.setattr("vibrafeed.core.kinds.tabulate", None)
-    monkeypatch.setattr("vibrafeed.core.dataset.matlab.MAX_BYTES", 100)
-    saved(SWEEP)
-    assert "bytes in a MAT file" in said("run study.toml -o x.mat", 2)
-
-
 def test_a_stopped_run_keeps_what_is_finished_and_says_how_to_go_on(stopped_after):
     saved(SLOW)
     stopped_after(1)

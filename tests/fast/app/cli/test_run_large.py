@@ -150,19 +150,6 @@ def test_a_netcdf_that_the_disk_does_not_take_is_told(here):
     assert [path.name for path in here.iterdir()] == ["study.toml"]
 
 
-def test_a_simulation_is_stored_block_by_block_too():
-    saved(
-        'kind = "simulate"\nscene = "rectangle-on-plane"\noutputs = ["conveying_velocity"]\n'
-        '[parameters]\nfrequency = 50\namplitude = ["0.1 mm", "0.3 mm"]\nbeta = 30\n'
-        "friction = 0.4\n"
-    )
-    assert "conveying_velocity" in said("run study.toml -o b.zarr")
-    run("run study.toml -o b.nc")
-    with xarray.open_zarr("b.zarr") as found, xarray.open_dataset("b.nc") as one:
-        xarray.testing.assert_equal(found.load(), one.load())
-    assert "is complete already" in said("run study.toml -o b.zarr --resume")
-
-
 def test_an_object_store_takes_the_group(here, wanted):
     (here / "bucket").mkdir()
     target = (here / "bucket").as_uri()
