@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from itertools import product
+from itertools import chain, cycle, product
 from typing import Any
 
 import pytest
@@ -17,6 +17,7 @@ QUESTIONS = (
     "speed", "hop", "resting", "drive", "waves", "springs", "uncertain", "measured", "rows",
     "orienting", "all",
 )  # fmt: skip
+KINDS = {"simulate": "methods", "sweep": "variants"}
 OF_ANOTHER_STUDY = ("drive", "measured", "uncertain")  # or a range
 OWN_MAKING = re.compile("trajectory|has no output|is not a parameter|page has an error|undefined")
 FACTORS = (1, 1e3, 100, 1e4, 1e-6, 1e-3)
@@ -24,15 +25,13 @@ FACTORS = (1, 1e3, 100, 1e4, 1e-6, 1e-3)
 
 def views(server: Served) -> list[tuple[str, tuple[str, str, str]]]:
     """Return what is looked at: by night everything, by day some, each with another question."""
-    every = [
-        (kind, scene["name"], choice)
+    of_scenes = [
+        [(kind, scene["name"], choice) for kind, of in KINDS.items() for choice in scene[of]]
         for scene in server.get("/scenes")
-        for kind, of in (("simulate", "methods"), ("sweep", "variants"))
-        for choice in scene[of]
     ]
     if NIGHT:
-        return [*product(QUESTIONS, every)]
-    return [*zip(QUESTIONS, spread(every, len(QUESTIONS)), strict=True)]
+        return [*product(QUESTIONS, chain(*of_scenes))]
+    return spread(zip(cycle(QUESTIONS), (one[0] for one in of_scenes), strict=False), 11)
 
 
 def test_every_system_by_every_method_answers_every_question(page: Page, server: Served) -> None:

@@ -118,7 +118,7 @@ def test_a_parameter_is_added_with_what_it_needs_and_taken_away_again(
     options = page.locator(f"{field} option")
     names = [*filter(None, options.evaluate_all("all => all.map(one => one.value)"))]
     assert "mass" not in names  # which nothing uses alone
-    for name in names[:: len(names) - 1]:
+    for name in names:
         chosen(page, field, name)
         expect(page.locator("#answer")).not_to_have_class(re.compile("failed"))
         expect(page.locator(f"#value-{name}")).to_be_attached()

@@ -55,8 +55,9 @@ def test_the_toml_is_the_parameters_of_a_study():
     assert values == pytest.approx(fit.parameters(), rel=1e-3)
 
 
+@pytest.mark.usefixtures("part")
 def test_a_picture_is_drawn():
-    run(f"drive {RECORDING} --along -ax --normal az --plot fit.png")
+    run(f"{PART} --plot fit.png")
     assert Path("fit.png").stat().st_size > 10_000
 
 

@@ -236,7 +236,7 @@ def test_pictures_of_motion():
     run("plot study.nc oiled.nc -o both.png")
     saved(re.sub("{ start.*}", '"0.3 mm"', MOTION).replace("[p", "trajectory = 100\n[p"))
     run("run study.toml --force")
-    run("plot study.nc -k animation --slow 10")
+    run("plot study.nc -k animation --slow 2")
     for name in ("both.png", "study-animation.gif"):
         assert Path(name).stat().st_size > 10_000
     run("plot study.nc -o x.svg --title 'Hop by hop' --units m/min --dark --small")
