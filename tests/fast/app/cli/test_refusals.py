@@ -69,6 +69,11 @@ REFUSED = {
     "run study.toml other.toml -o -": (2, "standard output takes the result of one study"),
     "run study.toml -o -.zarr": (2, "a Zarr group consists of many files"),
     "run study.toml -o - --json": (2, "standard output cannot take both"),
+    "run study.toml -o y.nc --scheduler tcp://127.0.0.1:1": (
+        2,
+        "a cluster computes sweeps and simulations to Zarr, and studies with [reduce]",
+    ),
+    "run study.toml --shares 2": (2, "There are no shares. --scheduler computes a study on"),
     # Formats.
     "run study.toml -o x.txt": (
         2,
@@ -93,6 +98,7 @@ REFUSED = {
     # Other commands.
     "scenes rectangle-on-tack": (2, "Did you mean 'rectangle-on-track'?"),
     "plot motion.nc -k map": (2, "motion.nc: error: 1 problem"),
+    "plot absent.nc": (1, "absent.nc: No such file or directory."),
     "plot motion.nc --units kelvin": (2, "'kelvin' is not a unit"),
     "plot motion.nc -k animation": (
         2,

@@ -211,10 +211,16 @@ gamma = 3
 """
 
 
-def test_an_optimum_without_a_solution_tells_what_comes_nearest_and_has_its_own_exit_code():
+def test_an_optimum_without_a_solution_tells_what_helps_and_has_its_own_exit_code(monkeypatch):
+    way = {"change": "an elliptical drive", "output": "conveying_velocity", "value": 0.1956}
+    way = SimpleNamespace(**way, choice={"beta": 30.0})
+    monkeypatch.setattr("vibrafeed.core.optimise.ways", lambda study: [way])
     saved(IMPOSSIBLE)
     asked = "(at least 500 m/s² is asked) with all other limits kept, at amplitude"
-    tells("run study.toml", "Nearest: acceleration_x ", asked, code=3)
+    other = (
+        "With an elliptical drive: conveying_velocity 195.6 mm/s and all limits kept, at beta 30°."
+    )
+    tells("run study.toml", "Nearest: acceleration_x ", asked, other, code=3)
     assert said("run study.toml --force --quiet", 3) == ""
     assert Path("study.nc").exists()
 
