@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 
 from benchmarks.browsing import browsed
 from benchmarks.serving import served
+from looking import number, opened, pressed, settled, watched
 from tools import tool
-from waiting import PATIENCE, wait_for
+from waiting import wait_for
 
 TRACK = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
@@ -20,22 +19,14 @@ TRACK = (
 @pytest.fixture
 def page():
     tool("chromium")
-    with served(workers=1) as server, browsed() as context:
-        opened = context.new_page()
-        opened.set_default_timeout(1000 * PATIENCE)
-        opened.goto(f"{server.address}/{TRACK}")
-        yield opened
+    with served(workers=1) as server, browsed() as context, watched(context) as found:
+        opened(found, f"{server.address}/{TRACK}")
+        yield found
 
 
 def test_the_number_follows_a_slider(page):
-    speed = page.locator("#detail .said", has_text="Mean speed")
-
-    def number() -> float:
-        found = re.search(r"Mean speed ([\u2212]?[\d.]+)", speed.inner_text())
-        return float(found.group(1).replace("\u2212", "-"))
-
-    before = number()
-    page.get_by_label("Frequency, slider").focus()
-    for _ in range(10):
-        page.keyboard.press("ArrowRight")
-    wait_for(lambda: number() != before)
+    before = number(page)
+    assert before > 0
+    pressed(page, page.get_by_label("Frequency, slider"), *["ArrowRight"] * 10)
+    wait_for(lambda: number(page) != before)
+    settled(page)

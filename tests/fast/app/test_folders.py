@@ -12,52 +12,44 @@ from vibrafeed.app.settings import Settings
 
 
 @pytest.mark.parametrize(
-    ("platform", "variable", "folder"),
+    ("platform", "data", "cache", "folders"),
     [
-        ("linux", "", "/home/ann/.local/share/vibrafeed"),
-        ("linux", "/srv/share", "/srv/share/vibrafeed"),
-        ("linux", "share", "/home/ann/.local/share/vibrafeed"),  # relative ones are ignored
-        ("darwin", "", "/home/ann/Library/Application Support/vibrafeed"),
+        ("linux", "", "", (".local/share/vibrafeed", ".cache/vibrafeed")),
+        ("linux", "/srv/share", "/var/tmp", ("/srv/share/vibrafeed", "/var/tmp/vibrafeed")),
+        ("linux", "share", "", (".local/share/vibrafeed", ".cache/vibrafeed")),  # no relative ones
+        (
+            "darwin",
+            "",
+            "",
+            ("Library/Application Support/vibrafeed", "Library/Caches/vibrafeed"),
+        ),
+        # The variables of others are none of Windows.
+        (
+            "win32",
+            "/srv/share",
+            "/var/tmp",
+            ("AppData/Local/vibrafeed", "AppData/Local/vibrafeed/Cache"),
+        ),
     ],
 )
-def test_the_data_folder_is_the_platforms(platform, variable, folder, monkeypatch):
+def test_folders_are_those_of_the_platform(platform, data, cache, folders, monkeypatch):
+    home = Path("/home/ann")
     monkeypatch.setattr("sys.platform", platform)
-    monkeypatch.setenv("HOME", "/home/ann")
-    monkeypatch.setenv("XDG_DATA_HOME", variable)
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setenv("LOCALAPPDATA", str(home / "AppData" / "Local"))
+    monkeypatch.setenv("XDG_DATA_HOME", data)
+    monkeypatch.setenv("XDG_CACHE_HOME", cache)
     monkeypatch.delenv("VIBRAFEED_DATA_DIRECTORY", raising=False)
-    assert data_folder() == Path(folder)
-    assert Settings().data_directory == Path(folder)
+    assert (data_folder(), cache_folder()) == tuple(home / folder for folder in folders)
+    assert Settings().data_directory == data_folder()
     monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", "/data")
     assert Settings().data_directory == Path("/data")
-
-
-def test_windows_keeps_both_in_local_application_data(monkeypatch):
-    monkeypatch.setattr("sys.platform", "win32")
-    monkeypatch.setenv("XDG_DATA_HOME", "/srv/share")  # is no variable of Windows
-    monkeypatch.setenv("LOCALAPPDATA", "/users/ann/AppData/Local")
-    assert data_folder() == Path("/users/ann/AppData/Local/vibrafeed")
-    assert cache_folder() == Path("/users/ann/AppData/Local/vibrafeed/Cache")
 
 
 def test_a_user_without_home_has_a_folder_here(monkeypatch):
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     monkeypatch.setattr(Path, "home", lambda: (_ for _ in ()).throw(RuntimeError("no home")))
     assert data_folder() == Path("data")
-
-
-@pytest.mark.parametrize(
-    ("platform", "variable", "folder"),
-    [
-        ("linux", "", "/home/ann/.cache/vibrafeed"),
-        ("linux", "/var/tmp", "/var/tmp/vibrafeed"),
-        ("darwin", "", "/home/ann/Library/Caches/vibrafeed"),
-    ],
-)
-def test_the_cache_folder_is_the_platforms(platform, variable, folder, monkeypatch):
-    monkeypatch.setattr("sys.platform", platform)
-    monkeypatch.setenv("HOME", "/home/ann")
-    monkeypatch.setenv("XDG_CACHE_HOME", variable)
-    assert cache_folder() == Path(folder)
 
 
 def test_studies_in_the_folder_of_before_are_named(tmp_path, monkeypatch, capsys):

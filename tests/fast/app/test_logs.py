@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import json
 import logging
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-import structlog
 from fastapi import Request
 from fastapi.responses import StreamingResponse
 from fastapi.testclient import TestClient
@@ -96,16 +96,16 @@ def test_the_log_holds_nothing_of_a_request_but_that_line(client, lines):
     assert secret not in json.dumps(lines())
 
 
-def test_a_well_formed_request_id_is_kept_and_another_is_not(client):
-    assert client.get("/healthz", headers={"X-Request-ID": "a.B-3_c"}).headers[
-        "x-request-id"
-    ] == "a.B-3_c"  # fmt: skip
-    seen = set()
-    for wrong in ("", "a b", "a" * 65, 'x"y', "é".encode(), "a\\nb"):
-        found = client.get("/healthz", headers={"X-Request-ID": wrong}).headers["x-request-id"]
-        assert len(found) == 32
-        seen.add(found)
-    assert len(seen) == 6
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ("a.B-3_c", "a.B-3_c"),
+        *((wrong, "[0-9a-f]{32}") for wrong in ("", "a b", "a" * 65, 'x"y', "é".encode(), "a\\nb")),
+    ],
+)
+def test_a_well_formed_request_id_is_kept_and_another_is_not(client, given, kept):
+    reply = client.get("/healthz", headers={"X-Request-ID": given})
+    assert re.fullmatch(kept, reply.headers["x-request-id"])
 
 
 def test_an_unforeseen_error_has_its_traceback_in_the_log_and_its_identifier_in_the_reply(
@@ -135,22 +135,15 @@ def test_what_is_bound_stands_in_every_later_line_of_the_request(client, lines):
         logging.getLogger("vibrafeed").warning("halfway")
         return {}
 
-    async def work_at_once(job_id: str) -> dict[str, str]:
-        structlog.contextvars.bind_contextvars(job_id=job_id)
-        return {}
-
     client.app.add_api_route("/task/{job_id}", work)
-    client.app.add_api_route("/once/{job_id}", work_at_once)
     client.get("/task/7")
-    client.get("/once/8")
     client.get("/healthz")
     logs.bind(job_id="nobody's")
-    halfway, first, second, third = lines()
+    halfway, first, second = lines()
     assert halfway["event"] == "halfway"
     assert halfway["request_id"] == first["request_id"]
     assert halfway["job_id"] == first["job_id"] == "7"
-    assert second["job_id"] == "8"
-    assert "job_id" not in third
+    assert "job_id" not in second
 
 
 def test_a_stream_that_breaks_is_said_so(client, lines):
@@ -182,9 +175,3 @@ def test_lines_of_uvicorn_look_alike(lines):
     (line,) = lines()
     assert line.pop("timestamp")
     assert line == {"event": "on x", "level": "info", "logger": "uvicorn.error"}
-
-
-def test_making_an_app_leaves_the_log_alone(tmp_path):
-    before = logging.getLogger().handlers[:], structlog.is_configured()
-    create_app(Settings(data_directory=tmp_path))
-    assert (logging.getLogger().handlers[:], structlog.is_configured()) == before

@@ -1,11 +1,12 @@
 """Warnings of studies on the command line: told as such, counted, and refused by --strict."""
 
+from __future__ import annotations
+
 import json
 
 import pytest
-from typer.testing import CliRunner
 
-from vibrafeed.app.cli import app
+from commands import run, saved
 
 STUDY = """
 kind = "sweep"
@@ -22,75 +23,54 @@ AMPLITUDE = (
     'Did you mean "0.1 mm"?'
 )
 BETA = 'warning: beta = 0.35 means 0.35 °; usual values are 1 to 180 °. Did you mean "0.35 rad"?'
+WARNED = [f"b.toml: {AMPLITUDE}", f"b.toml: {BETA}"]
+COUNT = "2 warnings in 1 of 3 studies"
 
 
-@pytest.fixture
-def batch(tmp_path):
-    files = [tmp_path / f"study-{number}.toml" for number in range(3)]
-    for file in files:
-        file.write_text(STUDY)
-    files[1].write_text(STUDY.replace('"0.1 mm"', "0.1").replace("20", "0.35"))
-    return files
+@pytest.fixture(autouse=True)
+def batch():
+    unusual = STUDY.replace('"0.1 mm"', "0.1").replace("20", "0.35")
+    for name, text in {"a.toml": STUDY, "b.toml": unusual, "c.toml": STUDY}.items():
+        saved(text, name)
 
 
-def run(*arguments):
-    return CliRunner().invoke(app, ["run", *map(str, arguments)])
-
-
-@pytest.mark.parametrize("options", [(), ("--quiet",), ("--json",), ("--dry-run",)])
-def test_warnings_are_told_as_such_and_counted(batch, options):
-    done = run(*batch, *options)
-    assert done.exit_code == 0, done.output
-    lines = done.stderr.splitlines()
-    assert lines == [
-        f"{batch[1]}: {AMPLITUDE}", f"{batch[1]}: {BETA}", "2 warnings in 1 of 3 studies",
-    ]  # fmt: skip
-    if "--json" in options:
+@pytest.mark.parametrize("options", ["", "--quiet", "--json", "--dry-run"])
+def test_warnings_are_told_as_such_and_counted(options):
+    done = run(f"run a.toml b.toml c.toml {options}")
+    assert done.stderr.splitlines() == [*WARNED, COUNT]
+    if options == "--json":
         found = [one["warnings"] for one in json.loads(done.stdout)["results"]]
-        assert [len(one) for one in found] == [0, 2, 0]
-        assert f"warning: {found[1][0]}" == AMPLITUDE
+        assert [[f"b.toml: warning: {one}" for one in told] for told in found] == [[], WARNED, []]
 
 
-@pytest.mark.parametrize("options", [(), ("--dry-run",), ("--json",)])
-def test_strict_refuses_them_before_anything_is_written(batch, options):
-    done = run(*batch, "--strict", *options)
-    assert done.exit_code == 2
-    assert done.stderr.splitlines()[-1] == (
-        "error: 2 warnings in 1 of 3 studies; --strict runs no study then"
-    )
+@pytest.mark.parametrize("options", ["", "--dry-run", "--json"])
+def test_strict_refuses_them_before_anything_is_written(here, options):
+    done = run(f"run a.toml b.toml c.toml --strict {options}", 2)
+    assert done.stderr.splitlines()[-1] == f"error: {COUNT}; --strict runs no study then"
     assert not done.stdout
-    assert sorted(batch[0].parent.iterdir()) == batch
+    assert not list(here.glob("*.nc"))
 
 
-def test_strict_runs_what_has_none(batch):
-    done = run(batch[0], batch[2], "--strict")
-    assert done.exit_code == 0, done.output
-    assert "warning" not in done.output
+def test_strict_runs_what_has_none():
+    assert "warning" not in run("run a.toml c.toml --strict").output
 
 
-def test_a_sweep_in_blocks_warns_too(batch):
-    done = run(batch[1], "-o", batch[0].parent / "blocks.zarr")
-    assert f"{batch[1]}: {BETA}" in done.stderr
-    assert done.stderr.splitlines()[-1] == "2 warnings"
-
-
-def test_errors_say_so_beside_warnings(batch):
-    batch[0].write_text(STUDY.replace("friction = 0.3", "friction = 0,3"))
-    done = run(*batch)
-    assert done.exit_code == 2
-    assert done.stderr.splitlines() == [
-        f"{batch[1]}: {AMPLITUDE}",
-        f"{batch[1]}: {BETA}",
-        f"{batch[0]}: error: 1 problem",
+def test_errors_say_so_beside_warnings():
+    saved(STUDY.replace("friction = 0.3", "friction = 0,3"), "a.toml")
+    assert run("run a.toml b.toml c.toml", 2).stderr.splitlines() == [
+        *WARNED,
+        "a.toml: error: 1 problem",
         "  file: line 9: the number 0,3 has a decimal comma. Write 0.3.",
     ]
 
 
-def test_other_commands_warn_in_the_same_form(batch):
-    for arguments, name in (
-        (["convert", str(batch[1]), "--to", "json"], batch[1]),
-        (["new", "-", "--amplitude", "0.1", "--yes"], "new"),
-    ):
-        done = CliRunner().invoke(app, arguments)
-        assert done.exit_code == 0
-        assert f"{name}: {AMPLITUDE}" in done.stderr
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        ("run b.toml -o blocks.zarr", "b.toml"),
+        ("convert b.toml --to json", "b.toml"),
+        ("new - --amplitude 0.1 --yes", "new"),
+    ],
+)
+def test_other_ways_warn_in_the_same_form(line, name):
+    assert f"{name}: {AMPLITUDE}" in run(line).stderr

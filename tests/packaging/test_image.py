@@ -16,13 +16,18 @@ from dockerfile_parse import DockerfileParser
 
 from tools import tool
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 
 @pytest.fixture(scope="module")
 def dockerfile() -> DockerfileParser:
     return DockerfileParser(fileobj=io.BytesIO((ROOT / "Dockerfile").read_bytes()))
+
+
+@pytest.fixture(scope="module")
+def values(dockerfile: DockerfileParser) -> dict[str, str]:
+    return {entry["instruction"]: entry["value"] for entry in dockerfile.structure}
 
 
 def test_the_dockerfile_has_no_finding():
@@ -32,38 +37,29 @@ def test_the_dockerfile_has_no_finding():
 
 
 def test_every_path_that_the_image_copies_exists_and_is_not_ignored(dockerfile):
-    kept = {
-        line[1:] for line in (ROOT / ".dockerignore").read_text().split() if line.startswith("!")
-    }
-    copies = [
-        entry["value"].split()
+    kept = set(re.findall(r"^!(\S+)", (ROOT / ".dockerignore").read_text(), re.MULTILINE))
+    sources = [
+        source
         for entry in dockerfile.structure
         if entry["instruction"] == "COPY" and "--from" not in entry["value"]
+        for source in entry["value"].split()[:-1]
     ]
-    assert copies
-    for *sources, _ in copies:
-        for source in sources:
-            assert (ROOT / source).exists(), source
-            assert source in kept, source
+    assert sources
+    for source in sources:
+        assert (ROOT / source).exists(), source
+        assert source in kept, source
 
 
-def test_the_image_runs_as_nobody_special_in_a_folder_of_another_name(dockerfile):
-    values = {entry["instruction"]: entry["value"] for entry in dockerfile.structure}
+def test_the_image_runs_as_nobody_special_on_a_base_named_by_its_digest(dockerfile, values):
     assert values["USER"] == "10001"
     assert values["WORKDIR"] != "/app"
-    assert "healthz" in values["HEALTHCHECK"]
-
-
-def test_the_base_of_the_image_is_named_by_its_digest_and_has_an_init(dockerfile):
+    assert json.loads(values["ENTRYPOINT"]) == ["tini", "--"]
     bases = {e["value"].split()[0] for e in dockerfile.structure if e["instruction"] == "FROM"}
     (base,) = bases
     assert re.fullmatch(r"python:3\.11-slim-bookworm@sha256:[0-9a-f]{64}", base)
-    values = {entry["instruction"]: entry["value"] for entry in dockerfile.structure}
-    assert json.loads(values["ENTRYPOINT"]) == ["tini", "--"]
 
 
-def test_the_health_check_of_the_image_fails_unless_the_reply_is_200(dockerfile):
-    values = {entry["instruction"]: entry["value"] for entry in dockerfile.structure}
+def test_the_health_check_of_the_image_fails_unless_the_reply_is_200(values):
     command = json.loads(values["HEALTHCHECK"].partition(" CMD ")[2])
     tool(command[0])
     for status, code in ((b"200 OK", 0), (b"503 Service Unavailable", 1)):
@@ -93,18 +89,12 @@ def test_the_image_installs_what_the_service_needs_by_hashes():
     assert not {"pyarrow", "obstore", "pip"} & versions.keys()
 
 
-def test_every_dependency_has_a_pinned_version_and_a_reason():
-    text = (ROOT / "pyproject.toml").read_text()
-    pinned = {
-        line.partition("==")[0].lower().replace("_", "-")
-        for line in (ROOT / "constraints.txt").read_text().splitlines()
-        if "==" in line
-    }
+def test_every_dependency_has_a_pinned_version():
+    pinned = re.findall(r"^(\S+)==", (ROOT / "constraints.txt").read_text(), re.MULTILINE)
+    pinned = {"vibrafeed", *(name.lower().replace("_", "-") for name in pinned)}
     extras = PROJECT["optional-dependencies"]
     names = [*PROJECT["dependencies"], *extras["plot"], *extras["serve"], *extras["dev"]]
-    for name in (re.split(r"[<>=\[]", name)[0] for name in names):
-        assert name.lower() in {*pinned, "vibrafeed"}, name
-        assert re.search(rf'"{re.escape(name)}[\[,\w\]>=.]*".*#\s*\w+', text), name
+    assert {re.split(r"[<>=\[]", name)[0].lower() for name in names} <= pinned
 
 
 def test_the_repository_names_no_registry():
