@@ -8,7 +8,6 @@ from benchmarks.browsing import browsed
 from benchmarks.serving import served
 from looking import watched
 from tools import tool
-from waiting import PATIENCE
 
 
 @pytest.fixture(scope="session")
@@ -25,9 +24,6 @@ def address(server):
 @pytest.fixture(scope="module")
 def browser():  # not longer: while it runs, so does an event loop, and there may be no other
     tool("chromium")
-    from playwright.sync_api import expect
-
-    expect.set_options(timeout=1000 * PATIENCE)  # ms; a busy machine takes its time
     with browsed() as context:
         yield context
 

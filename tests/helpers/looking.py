@@ -11,6 +11,8 @@ from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from waiting import PATIENCE
 
+expect.set_options(timeout=1000 * PATIENCE)  # ms; a busy machine takes its time
+
 NUMBER = "#answer .answer strong"
 SENTENCE = "#answer .sentence"
 

@@ -8,6 +8,7 @@ from typing import Any
 import cloudpickle
 import pytest
 import xarray
+import zarr
 
 from large_studies import MOTION, TRACK, sweep_of
 from vibrafeed.core.dataset.files import partial
@@ -156,6 +157,12 @@ def test_other_files_are_left_alone(place, resume, tmp_path):
     with pytest.raises(FileExistsError):
         begun(prepare_content(TRACK), tmp_path / "a.zarr", resume=resume)
     assert (tmp_path / place / "letter.txt").read_text() == "Dear Sir"
+
+
+def test_a_group_that_broke_off_while_it_was_created_is_begun_anew(tmp_path):
+    zarr.open_group(tmp_path / ".a.zarr.partial", mode="w")
+    prepared = prepare_content(TRACK)
+    assert len(begun(prepared, tmp_path / "a.zarr", resume=True).missing()) == len(Blocks(prepared))
 
 
 def test_an_object_store_takes_the_group(tmp_path, monkeypatch):

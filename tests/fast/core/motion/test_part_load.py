@@ -43,6 +43,13 @@ def test_the_chain_from_springs_to_speed_and_what_parts_do_to_it():
     assert float(found.drive_unit_power[-1]) == pytest.approx(2.457305, abs=5e-7)
 
 
+def test_a_unit_too_heavy_to_move_has_a_status():
+    study = {**STUDY, "base_mass": [30, 1e300], "conveyed_mass": 0.5}
+    found = vibrafeed.simulate(**study, outputs=NAMES)
+    assert np.isfinite(found.track_amplitude.values).tolist() == [True, False]
+    assert found.motion_status.values[0] != found.motion_status.values[1]
+
+
 FOUND_BY_STEPS = [  # of unit and part in one time integration, 8,000 steps a period
     (53.96, 0.0249, 16.4, 84.7, 32758, 45, 1.48, 0.17, 0.5003974e-3),
     (46.71, 0.0256, 16.3, 51.3, 40257, 63, 0.78, 0.50, 0.3659704e-3),
