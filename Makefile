@@ -14,7 +14,7 @@ SERVING := $(VENV)/.serving
 TESTING := $(VENV)/.testing
 FIGURE := fig-5-1
 
-.PHONY: run test night quick check docs serve clean
+.PHONY: run test test-all night check docs serve clean
 
 run: $(RUNNING)
 	$(BIN)/vibrafeed run configs/nut.toml -o results/nut.nc --force
@@ -22,16 +22,18 @@ run: $(RUNNING)
 	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc --force
 	$(BIN)/vibrafeed plot results/$(FIGURE).nc -o results/$(FIGURE).png --force
 
+# Units and laws of less than a second each, and ten ways of a user.
 test: $(TESTING)
-	scripts/test $(BIN)
+	scripts/test $(BIN) tests/fast tests/journeys
 
-# The searches besides, in random order: hours of one processor. With VIBRAFEED_NIGHT=1,
-# `scripts/test .venv/bin -p randomly --randomly-seed=N` repeats an order.
+# The rest besides: long laws, services, browsers, pages of docs/, packages.
+test-all: test
+	scripts/test $(BIN) tests/laws tests/service tests/browser tests/docs tests/packaging
+
+# All with more cases, and searches, kills and attacks, in random order: hours of one processor. With
+# VIBRAFEED_NIGHT=1, `scripts/test .venv/bin tests -p randomly --randomly-seed=N` repeats an order.
 night: $(TESTING)
-	VIBRAFEED_NIGHT=1 scripts/test $(BIN) -p randomly
-
-quick: $(TESTING)
-	scripts/quick $(BIN)
+	VIBRAFEED_NIGHT=1 scripts/test $(BIN) tests -p randomly
 
 check: $(TESTING)
 	scripts/check $(BIN)

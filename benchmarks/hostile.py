@@ -1,9 +1,9 @@
-"""Clients that mean harm, for tests/service/test_hostile.py: their cost for all others.
+"""Clients that mean harm, for tests/night/test_hostile.py: their cost for all others.
 
 `suffered` carries out an attack against a fresh server. Meanwhile a process of its own asks
 /healthz and for a small slice, again and again, each time on a new connection, and from another
 address of this machine: it is another owner. Slow clients are the proxy's
-(tests/service/test_operations.py); these ask for what is dear. `python -m benchmarks.hostile`
+(tests/service/test_operations_page.py); these ask for what is dear. `python -m benchmarks.hostile`
 prints the effects of all attacks, or of those that it names.
 """
 

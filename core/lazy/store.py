@@ -231,7 +231,7 @@ class ZarrStore:
             there = keys_in(self.under_way)
             if GROUP in there:
                 begun = open_group(self.under_way).attrs.get(UNFINISHED)
-                if begun is None:
+                if begun is None and "://" in self.where:  # a folder is ours by its name
                     raise FileExistsError(f"{self.where} exists already")
                 if resume and begun == self.identity:
                     return

@@ -247,6 +247,9 @@ class PartLoad:
 
     def _curve(self, known: dict[str, Array]) -> LoadCurve:
         least, most = self._extremes(known)
+        # A unit that is too heavy or too stiff to move at all meets no load: one amplitude tells.
+        moves = (least > 0.0) & np.isfinite(most)
+        least, most = np.where(moves, least, 1.0), np.where(moves, most, 1.0)
         # Cells that differ in what the motion does not know share its amplitudes, and its motions.
         bottom, top = np.floor(np.log(least) / STEP), np.ceil(np.log(most) / STEP)
         count = (top - bottom).astype(np.int64) + 1

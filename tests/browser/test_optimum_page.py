@@ -5,13 +5,28 @@ from __future__ import annotations
 import csv
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
 from audit import audited
-from looking import NUMBER, numbers, opened, posted, revealed, settled, taken_away, typed
+from looking import (
+    NUMBER,
+    SENTENCE,
+    clicked,
+    entered,
+    number,
+    numbers,
+    opened,
+    posted,
+    pressed,
+    settled,
+    shows,
+    speed,
+    taken_away,
+    typed,
+    value,
+)
 
 SNAPSHOT = (
     "#question=drive&kind=sweep&scene=rectangle-on-plane&choice=physical&output=acceleration_x"
@@ -19,10 +34,7 @@ SNAPSHOT = (
 )
 TRADE_OFF = f"{SNAPSHOT}&best=pareto&against=acceleration_y&points=9&vary=frequency:30:80&found=1"
 BEST = f"{SNAPSHOT}&best=maximise&keep=throw_number::0.8:&band=friction:0.2&found=1"
-
-
-def read(page: Page, name: str) -> str:
-    return Path(taken_away(page, name).path()).read_text()
+TOLD = "#best-told"
 
 
 def test_the_design_flies_to_the_best_and_back(page: Page, address: str) -> None:
@@ -31,108 +43,84 @@ def test_the_design_flies_to_the_best_and_back(page: Page, address: str) -> None
     expect(page.locator("#answer .unit")).to_have_text("mm/s, 6 times as fast")
     expect(page.locator("#picture .flight-way")).to_be_attached()
     expect(page.locator("#picture .mark", has_text="before 49.9")).to_be_visible()
-    table = page.locator("#best-told table")
-    (before, best) = numbers(table.locator("tr", has_text="Angle of").inner_text())
+    row = page.locator(f"{TOLD} table tr", has_text="Angle of")
+    (before, best) = numbers(row.inner_text())
     assert before == 20
-    parameters = {"frequency": 50, "friction": 0.3, "amplitude": "1 mm", "beta": best}
-    study = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": parameters}
-    answer = 1e3 * posted(address, study)["conveying_velocity"]["data"]
-    assert float(page.locator(NUMBER).inner_text()) == pytest.approx(answer, rel=5e-3)
-    told = page.locator("#best-told")
-    expect(told).to_contain_text("Amplitude is at its bound of 1\u00a0mm.")
-    expect(told).to_contain_text(re.compile("or 2° of angle of vibration, at least .* remain"))
-    for chip, value in (("still", "20.6"), ("robust", "300")):
-        expect(page.locator(f"#chip-{chip}")).to_contain_text(value)
+    answer = speed(address, frequency=50, friction=0.3, amplitude="1 mm", beta=best)
+    assert number(page) == pytest.approx(answer, rel=5e-3)
+    shows(page, {TOLD: "Amplitude is at its bound of 1\u00a0mm."})
+    shows(page, {TOLD: re.compile("or 2° of angle of vibration, at least .* remain")})
+    shows(page, {"#chip-still": "20.6", "#chip-robust": "300"})
     page.locator("#chip-still").click()
     settled(page)
-    expect(page.locator(NUMBER)).to_have_text("20.6")
-    expect(page.locator("#answer .sentence")).not_to_contain_text("hops")
-    page.get_by_role("button", name="Go back to 0.5").click()
-    settled(page)
-    expect(page.locator(NUMBER)).to_have_text("49.9")
-    page.get_by_role("button", name="Show the best").click()
-    settled(page)
-    page.get_by_role("button", name="Compare both").click()
+    assert number(page) == 20.6
+    expect(page.locator(SENTENCE)).not_to_contain_text("hops")
+    clicked(page, "Go back to 0.5")
+    assert number(page) == 49.9
+    clicked(page, "Show the best")
+    clicked(page, "Compare both")
     expect(page.locator("#pins thead th")).to_have_count(3)
-
-
-def test_bounds_are_those_of_the_search(page: Page, address: str) -> None:
-    opened(page, f"{address}/#question=drive")
-    expect(page.locator("#chip-fastest")).to_contain_text("300")
+    # Bounds are those of the search.
     largest = page.get_by_label("Largest amplitude", exact=True)
     largest.fill("0,6 mm")
     largest.press("Enter")
+    shows(page, {TOLD: "at its bound of 0.6\u00a0mm"})
     settled(page)
-    expect(page.locator("#best-told")).to_contain_text("at its bound of 0.6\u00a0mm")
-    expect(page.locator(NUMBER)).not_to_have_text("300")
-    settled(page)
-    assert float(page.locator(NUMBER).inner_text()) < 300
+    assert number(page) < 300
 
 
 def test_the_best_tells_what_holds_it_back_and_a_changed_value_searches_again(
     page: Page, address: str
 ) -> None:
     opened(page, f"{address}/{BEST}")
-    said = page.locator("#best-told")
-    expect(said).to_contain_text("Throw number is 0.8: 20 % below lift-off, which comes at 1.")
-    expect(said).to_contain_text("The upper limit of the throw number has no room left")
-    study = tomllib.loads(read(page, "Study of the best (TOML)"))
-    answer = {name: one["data"] for name, one in posted(address, study).items()}
-    expect(said).to_contain_text(f"The floor contact has {answer['margin_floor_contact']:.4g}")
-    row = next(csv.DictReader(read(page, "Best as a table (CSV)").splitlines()))
-    assert float(row["acceleration_x [m s-2]"]) == pytest.approx(answer["acceleration_x"])
+    shows(page, {TOLD: "Throw number is 0.8: 20 % below lift-off, which comes at 1."})
+    shows(page, {TOLD: "The upper limit of the throw number has no room left"})
+    answer = posted(address, tomllib.loads(taken_away(page, "Study of the best (TOML)").decode()))
+    shows(page, {TOLD: f"The floor contact has {answer['margin_floor_contact']:.4g}"})
+    rows = csv.DictReader(taken_away(page, "Best as a table (CSV)").decode().splitlines())
+    assert float(next(rows)["acceleration_x [m s-2]"]) == pytest.approx(answer["acceleration_x"])
     before = page.locator(NUMBER).inner_text()
     typed(page, "#value-friction", "0.3")
     expect(page.locator(NUMBER)).not_to_have_text(before)
-    expect(said).to_contain_text("Throw number is 0.8")
+    shows(page, {TOLD: "Throw number is 0.8"})
     # A limit that cannot be: the service's sentence stands beside it.
-    revealed(page, "#wishes")
-    page.get_by_label("Least throw number").fill("5")
-    page.get_by_label("Least throw number").press("Enter")
+    entered(page, "[aria-label='Least throw number']", "5")
     page.locator("#find").click()
-    expect(page.locator("[data-place='constraints.0']")).to_have_text(
-        "Lower is above upper. Swap them."
-    )
+    wrong = page.locator("[data-place='constraints.0']")
+    expect(wrong).to_have_text("Lower is above upper. Swap them.")
     page.get_by_role("button", name="Remove limit 1").click()
-    assert page.locator("[data-place='constraints.0']").count() == 0
+    assert wrong.count() == 0
 
 
 def test_where_nothing_is_feasible_a_click_relaxes_it(page: Page, address: str) -> None:
     opened(page, f"{address}/#question=drive&best=maximise&found=1&keep=conveying_velocity:9::")
-    expect(page.locator("#best-told")).to_contain_text("keeps all limits")
+    shows(page, {TOLD: "keeps all limits"})
     page.get_by_role("button", name="Search without the limits").click()
-    expect(page.locator("#chip-fastest")).to_contain_text("300")
+    shows(page, {"#chip-fastest": "300"})
 
 
 def test_a_trade_off_is_one_thing_in_map_and_plot(page: Page, address: str) -> None:
     opened(page, f"{address}/{TRADE_OFF}")
     front = page.locator("#front .front")
     expect(front.locator(".marker")).to_have_count(9)
-    study = tomllib.loads(read(page, "Study of the best (TOML)"))
-    answer = posted(address, study)
-    knee = answer["knee"]["data"].index(1)
-    told = page.locator("#front .said")
+    answer = posted(address, tomllib.loads(taken_away(page, "Study of the best (TOML)").decode()))
+    names = ("acceleration_x", "acceleration_y", "best_amplitude", "best_beta", "best_frequency")
 
     def is_told(place: int) -> None:
-        names = ("acceleration_x", "acceleration_y", "best_amplitude", "best_beta")
-        values = [answer[name]["data"][place] for name in (*names, "best_frequency")]
+        values = [answer[name][place] for name in names]
         values[2] *= 1e3  # mm
-        assert numbers(told.inner_text()) == pytest.approx(values, rel=1e-3)
+        told = page.locator("#front .said").inner_text()
+        assert numbers(told) == pytest.approx(values, rel=1e-3)
 
-    is_told(knee)
-    front.focus()
-    page.keyboard.press("End")
+    is_told(answer["knee"].index(1))
+    pressed(page, front, "End")
     is_told(8)
     page.keyboard.press("ArrowRight")
     is_told(7)
     assert page.locator("#picture .map .marks > .marker").count() == 8
-    page.keyboard.press("Home")
-    page.keyboard.press("Enter")  # the drive becomes the design
+    pressed(page, front, "Home", "Enter")  # the drive becomes the design
     settled(page)
-    frequency = answer["best_frequency"]["data"][0]
-    assert float(page.locator("#value-frequency").input_value()) == pytest.approx(
-        frequency, rel=1e-5
-    )
+    assert value(page, "frequency") == pytest.approx(answer["best_frequency"][0], rel=1e-5)
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
         assert audited(page) == []

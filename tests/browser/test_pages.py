@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import json
-import urllib.request
 
 import pytest
 
 from benchmarks.page import WITNESS, dragged, finished, loaded, moved
 from links import links
 from night import NIGHT, count
-from waiting import PATIENCE
 
 LINKS = count(8, 500, "VIBRAFEED_FUZZ_LINKS")
 
@@ -79,17 +76,13 @@ def test_pictures_come_and_follow_and_little_is_loaded(page, address):
 
 
 @pytest.fixture(scope="module")
-def scenes(address):
-    def read(path):
-        with urllib.request.urlopen(address + path, timeout=PATIENCE) as reply:
-            return json.load(reply)
-
+def scenes(server):
     found = {}
-    for line in read("/scenes"):
-        name, methods = line["name"], line["methods"]
-        found[name] = {"sweep": read(f"/scenes/{name}")}
-        if methods:
-            found[name]["simulate"] = read(f"/scenes/{name}?method={methods[0]}")
+    for line in server.get("/scenes"):
+        about = f"/scenes/{line['name']}"
+        found[line["name"]] = {"sweep": server.get(about)}
+        for method in line["methods"][:1]:
+            found[line["name"]]["simulate"] = server.get(f"{about}?method={method}")
     return found
 
 

@@ -1,7 +1,5 @@
 """The notebooks say what they say they do."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -25,8 +23,3 @@ def test_a_notebook_says_what_is_stored(path: Path) -> None:
         pictures += sum("image/png" in kind for kind in kinds)
     assert pictures >= 1
     assert path.stat().st_size < 300_000
-
-
-def test_there_are_three() -> None:
-    names = ["bowl-study", "five-number-chart", "friction-hypotheses"]
-    assert [path.stem for path in NOTEBOOKS] == names

@@ -1,7 +1,5 @@
 """The guide for Python is carried out, and prints what it says."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib.util
 import io
@@ -14,22 +12,14 @@ BLOCK = re.compile(r"^```python\n(.*?)^```$(?:\n\n^```text\n(.*?)^```$)?", re.MU
 HERE = "## Results of the service"  # from there on a service is needed: tests/service
 
 
-def carried_out(folder: Path) -> list[tuple[str, str, str]]:
-    """Return the code of each block, what it should print, and what it prints."""
+def test_every_block_prints_what_the_page_says(tmp_path: Path) -> None:
     text = PAGE.read_text(encoding="utf-8").partition(HERE)[0]
     names: dict[str, Any] = {}
-    done = []
     for code, expected in BLOCK.findall(text):
         if "import polars" in code and importlib.util.find_spec("polars") is None:
             continue  # its library has 170 MB
         printed = io.StringIO()
-        with contextlib.redirect_stdout(printed), contextlib.chdir(folder):
+        with contextlib.redirect_stdout(printed), contextlib.chdir(tmp_path):
             exec(compile(code, str(PAGE), "exec"), names)
-        done.append((code, expected, printed.getvalue()))
-    return done
-
-
-def test_every_block_prints_what_the_page_says(tmp_path: Path) -> None:
-    for code, expected, printed in carried_out(tmp_path):
-        assert printed == expected, code
+        assert printed.getvalue() == expected, code
     assert (tmp_path / "motion.png").stat().st_size > 10_000

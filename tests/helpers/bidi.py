@@ -1,9 +1,8 @@
-"""Firefox by WebDriver BiDi, which it speaks by itself: no driver stands between."""
+"""Firefox by WebDriver BiDi, which it speaks by itself: Playwright wants a newer one."""
 
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import itertools
 import re
 from collections.abc import AsyncIterator
@@ -13,35 +12,22 @@ from typing import Any
 
 import aiohttp
 
-from waiting import PATIENCE
+from waiting import PATIENCE, awaited
 
-LISTENING = re.compile(rb"WebDriver BiDi listening on (ws://\S+)")
-PREFERENCES = {
-    "browser.download.folderList": 2,  # the folder of the next line
-    "browser.download.always_ask_before_handling_new_types": False,
-    "datareporting.policy.dataSubmissionEnabled": False,
-    "app.update.disabledForTesting": True,
-    "browser.shell.checkDefaultBrowser": False,
-    "toolkit.startup.max_resumed_crashes": -1,
-    "remote.log.level": '"Error"',
-}
+LISTENING = re.compile(r"WebDriver BiDi listening on (ws://\S+)")
+PREFERENCES = """
+user_pref("browser.download.dir", "{}");
+user_pref("browser.download.folderList", 2);  // the folder of the line before
+user_pref("browser.download.always_ask_before_handling_new_types", false);
+"""
 
 
 class Tab:
-    """A tab of a browser, driven over a socket.
-
-    Attributes
-    ----------
-    told : list of str
-        What the page told the console, and errors of its scripts.
-    asked : list of str
-        The addresses that it asked for.
-    """
+    """A tab of a browser; it notes what the page tells the console, and the addresses it asks."""
 
     def __init__(self, socket: aiohttp.ClientWebSocketResponse):
-        self.socket = socket
-        self.numbers = itertools.count(1)
-        self.context = ""
+        self.socket, self.context = socket, ""
+        self.numbers = itertools.count()
         self.told: list[str] = []
         self.asked: list[str] = []
 
@@ -59,29 +45,16 @@ class Tab:
             if reply.get("method") == "network.beforeRequestSent":
                 self.asked.append(reply["params"]["request"]["url"])
 
-    async def begin(self) -> None:
-        """Open the session, and listen to what the page tells and asks for."""
-        await self.send("session.new", capabilities={})
-        events = ["log.entryAdded", "network.beforeRequestSent"]
-        await self.send("session.subscribe", events=events)
-        tree = await self.send("browsingContext.getTree")
-        self.context = tree["contexts"][0]["context"]
-
     async def go(self, address: str) -> None:
         """Load an address."""
-        await self.send(
-            "browsingContext.navigate", context=self.context, url=address, wait="complete"
-        )
+        asked = {"context": self.context, "url": address, "wait": "complete"}
+        await self.send("browsingContext.navigate", **asked)
 
     async def evaluate(self, expression: str) -> Any:
         """Return the text, number or truth that an expression has; it may be a promise."""
-        found = await self.send(
-            "script.evaluate",
-            expression=expression,
-            target={"context": self.context},
-            awaitPromise=True,
-            userActivation=True,
-        )
+        target = {"context": self.context}
+        asked = {"expression": expression, "awaitPromise": True, "userActivation": True}
+        found = await self.send("script.evaluate", target=target, **asked)
         assert found["type"] == "success", found
         return found["result"].get("value")
 
@@ -105,51 +78,29 @@ class Tab:
 @asynccontextmanager
 async def firefox(program: str, folder: Path) -> AsyncIterator[Tab]:
     """Yield a tab of a Firefox with an empty profile; it saves files in `folder`/saved."""
-    profile, saved = folder / "profile", folder / "saved"
-    profile.mkdir()
-    saved.mkdir()
-    lines = [f'user_pref("browser.download.dir", "{saved}");']
-    for name, value in PREFERENCES.items():
-        lines.append(
-            f'user_pref("{name}", {str(value).lower() if value in (True, False) else value});'
-        )
-    (profile / "user.js").write_text("\n".join(lines))
-    process = await asyncio.create_subprocess_exec(
-        program, "--headless", "--no-remote", "--profile", str(profile),
-        "--remote-debugging-port", "0",
-        stdout=asyncio.subprocess.DEVNULL,
-        stderr=asyncio.subprocess.PIPE,
-        env={"HOME": str(folder), "PATH": "/usr/bin:/bin"},
-    )  # fmt: skip
-    draining = None
+    log = folder / "log"
+    (folder / "saved").mkdir()
+    (folder / "user.js").write_text(PREFERENCES.format(folder / "saved"))
+    with log.open("wb") as file:
+        process = await asyncio.create_subprocess_exec(
+            program, "--headless", "--no-remote", "--profile", str(folder),
+            "--remote-debugging-port", "0", stdout=file, stderr=file,
+            env={"HOME": str(folder), "PATH": "/usr/bin:/bin"},
+        )  # fmt: skip
     try:
-        address = await asyncio.wait_for(_listening(process), PATIENCE)
-        draining = asyncio.create_task(_drained(process))
+        address = (await awaited(lambda: LISTENING.search(log.read_text())))[1]
         async with (
             aiohttp.ClientSession() as session,
             session.ws_connect(f"{address}/session", max_msg_size=0) as socket,
         ):
             tab = Tab(socket)
-            await tab.begin()
+            await tab.send("session.new", capabilities={})
+            events = ["log.entryAdded", "network.beforeRequestSent"]
+            await tab.send("session.subscribe", events=events)
+            tab.context = (await tab.send("browsingContext.getTree"))["contexts"][0]["context"]
             yield tab
             await tab.send("browser.close")
     finally:
-        with contextlib.suppress(ProcessLookupError):
+        if process.returncode is None:
             process.terminate()
         await process.wait()
-        if draining is not None:
-            await draining
-
-
-async def _listening(process: asyncio.subprocess.Process) -> str:
-    assert process.stderr is not None
-    async for line in process.stderr:
-        if found := LISTENING.search(line):
-            return found[1].decode()
-    raise AssertionError("Firefox ended before it listened")
-
-
-async def _drained(process: asyncio.subprocess.Process) -> None:
-    assert process.stderr is not None
-    while await process.stderr.read(1 << 16):
-        pass

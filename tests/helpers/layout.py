@@ -1,7 +1,5 @@
 """Whether the texts of a picture can be read."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

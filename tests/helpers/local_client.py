@@ -2,23 +2,53 @@
 
 from __future__ import annotations
 
+import asyncio
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
 
-from vibrafeed.app.jobs.process_pool import ProcessPool
+from vibrafeed.app.jobs.process_pool import ProcessPool, _until_done
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from vibrafeed.core.errors import StoppedError
 from waiting import wait_for
 
 HERE = "http://127.0.0.1"
 
-_idle: list[Any] = []  # processes that all services share
+_THREAD = ThreadPoolExecutor(1, "pool")  # one: the NetCDF library takes no two
+
+
+class Threads(ProcessPool):
+    """Carries out in a thread what the processes of a pool would: a test starts none."""
+
+    async def __call__(
+        self, function, *arguments, seconds=float("inf"), look=None, began=None, grace=0.0
+    ) -> Any:
+        call = asyncio.wrap_future(_THREAD.submit(function, *arguments))
+        try:
+            if began is not None:
+                await began()
+            if not await _until_done(call, seconds, look):
+                raise StoppedError(f"stopped after {seconds:g} s")
+            return call.result()
+        finally:
+            call.cancel()
 
 
 def local_client(app: FastAPI, **options: Any) -> TestClient:
     """Return a client; by itself it would call the service `testserver`, which is refused."""
-    _hand_on(app.state.process_pool)
+    if type(app.state.process_pool) is ProcessPool:  # not a test's own
+        app.state.process_pool.__class__ = Threads  # all parts of the app hold the same one
     return TestClient(app, base_url=HERE, **options)
+
+
+def client_of(folder: Path, **settings: Any) -> TestClient:
+    """Return a client of a service with a data directory and settings; mistakes are replies."""
+    app = create_app(Settings(data_directory=folder, **settings))
+    return local_client(app, raise_server_exceptions=False)
 
 
 def ended(client: TestClient, address: str) -> dict[str, Any]:
@@ -29,21 +59,3 @@ def ended(client: TestClient, address: str) -> dict[str, Any]:
         return None if job["status"] in ("accepted", "running") else job
 
     return wait_for(over, lambda: client.get(address).json())
-
-
-def _hand_on(pool: Any) -> None:
-    """Let a pool share the idle processes of those before and after it.
-
-    A process of its own for each service that a test makes would load what is compiled anew: a
-    second each time.
-    """
-    if not isinstance(pool, ProcessPool):
-        return  # a test's own
-    pool._idle = _idle
-    close = pool.close
-
-    def leave_and_close() -> None:
-        pool._idle = []
-        close()
-
-    pool.close = leave_and_close

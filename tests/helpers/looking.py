@@ -1,19 +1,44 @@
 """What a test looks at on the page, and when it is at rest."""
 
-from __future__ import annotations
-
 import json
 import re
 import urllib.request
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
-from playwright.sync_api import Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from waiting import PATIENCE
 
+expect.set_options(timeout=1000 * PATIENCE)  # ms; a busy machine takes its time
+
 NUMBER = "#answer .answer strong"
 SENTENCE = "#answer .sentence"
-IDLE = re.compile("false")
+
+
+@contextmanager
+def watched(context: BrowserContext) -> Iterator[Page]:
+    """Yield a new page that asks nobody else for anything, and complains of nothing.
+
+    Motions stand still at first, as for who asks for reduced motion: to play them takes longer than
+    all else that most tests do.
+    """
+    page = context.new_page()
+    page.emulate_media(reduced_motion="reduce")
+    asked: list[str] = []
+    complaints: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("console", lambda message: complaints.append(message.text))
+    page.on("pageerror", lambda error: complaints.append(f"{error}\n{error.stack}"))
+    page.set_default_timeout(1000 * PATIENCE)
+    yield page
+    page.close()
+    local = ("http://127.0.0.1:", "data:", "blob:")
+    assert all(url.startswith(local) for url in asked), asked
+    # A refusal is told by the page; the browser tells it as well.
+    left = [text for text in complaints if not text.startswith("Failed to load resource")]
+    assert left == []
 
 
 def settled(page: Page) -> None:
@@ -29,11 +54,62 @@ def opened(page: Page, link: str) -> None:
     settled(page)
 
 
+def shows(page: Page, expected: Mapping[str, str | re.Pattern[str]]) -> None:
+    """Expect a text in each of some places."""
+    for place, text in expected.items():
+        expect(page.locator(place).first).to_contain_text(text)
+
+
 def typed(page: Page, field: str, text: str) -> None:
     """Type into a field, and wait for what follows; its menu is opened where it is closed."""
+    entered(page, field, text)
+    settled(page)
+
+
+def entered(page: Page, field: str, text: str) -> None:
+    """Type into a field, and wait for nothing."""
     revealed(page, field)
     page.locator(field).fill(text)
     page.locator(field).press("Enter")
+
+
+def chosen(page: Page, field: str, *which: str, **how: str) -> None:
+    """Choose from a list, and wait for what follows."""
+    revealed(page, field)
+    page.locator(field).select_option(*which, **how)
+    settled(page)
+
+
+def clicked(page: Page, name: str | re.Pattern[str]) -> None:
+    """Click a button, and wait for what follows."""
+    page.get_by_role("button", name=name).first.click()
+    settled(page)
+
+
+def pressed(page: Page, place: Locator | str, *keys: str) -> None:
+    """Give an element the focus, and press keys."""
+    (page.locator(place) if isinstance(place, str) else place).focus()
+    for key in keys:
+        page.keyboard.press(key)
+
+
+def middle(place: Locator) -> tuple[float, float]:
+    """Return the middle of an element, in pixels of the window."""
+    box = place.bounding_box()
+    assert box is not None
+    return box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
+
+
+@contextmanager
+def held(page: Page, place: Locator, x: float, y: float) -> Iterator[None]:
+    """Drag an element by some pixels, and hold it while the block runs."""
+    place.scroll_into_view_if_needed()
+    left, top = middle(place)
+    page.mouse.move(left, top)
+    page.mouse.down()
+    page.mouse.move(left + x, top + y, steps=5)
+    yield
+    page.mouse.up()
     settled(page)
 
 
@@ -46,27 +122,43 @@ def revealed(page: Page, place: str) -> None:
             found.locator("summary").first.click()
 
 
+def value(page: Page, name: str) -> float:
+    """Return the number in the field of a parameter."""
+    return float(page.locator(f"#value-{name}").input_value())
+
+
 def numbers(text: str) -> list[float]:
     """Return the numbers in a text of the page."""
     found = re.findall(r"([\u2212]?[\d.]+(?:e[\u2212\d]+)?)", text)
     return [float(word.replace("\u2212", "-")) for word in found]
 
 
+def number(page: Page) -> float:
+    """Return the number that answers the question."""
+    return numbers(page.locator(NUMBER).inner_text())[0]
+
+
 def posted(address: str, study: dict[str, Any]) -> dict[str, Any]:
-    """Return the variables of a study that the service carries out."""
+    """Return the values of a study that the service carries out, by variable."""
     request = urllib.request.Request(
         f"{address}/processes/{study['kind']}/execution",
         json.dumps(study).encode(),
         {"Content-Type": "application/json"},
     )
     with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
-        found: dict[str, Any] = json.load(reply)["variables"]
-    return found
+        variables: dict[str, Any] = json.load(reply)["variables"]
+    return {name: one["data"] for name, one in variables.items()}
 
 
-def taken_away(page: Page, name: str) -> Any:
-    """Return the path of what an entry of the menu saves."""
+def speed(address: str, **parameters: float | str) -> float:
+    """Return the conveying velocity of a block on a plane [mm/s]."""
+    study = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": parameters}
+    return 1e3 * posted(address, study)["conveying_velocity"]
+
+
+def taken_away(page: Page, name: str) -> bytes:
+    """Return what an entry of the menu saves."""
     page.locator("#take-away").click()
     with page.expect_download() as download:
         page.get_by_role("menuitem", name=name, exact=True).click()
-    return download.value
+    return download.value.path().read_bytes()

@@ -9,8 +9,6 @@ before it has drawn, under the same name. Files that the page links lie ready.
 It needs nothing but Python, so that `scripts/newcomer` can use it before anything is installed.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -1,14 +1,14 @@
-"""How far a test searches: a little by day, in `make test`; far by night, in `make night`."""
+"""How far a test searches: a little by day, far by night, in `make night`."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from typing import Any
-
-import pytest
+from typing import TypeVar
 
 NIGHT = os.environ.get("VIBRAFEED_NIGHT") == "1"
+
+Case = TypeVar("Case")
 
 
 def count(day: int, night: int, name: str = "VIBRAFEED_LAW_CELLS") -> int:
@@ -16,8 +16,9 @@ def count(day: int, night: int, name: str = "VIBRAFEED_LAW_CELLS") -> int:
     return int(os.environ.get(name, night if NIGHT else day))
 
 
-def first_by_day(cases: Iterable[Any], day: int = 1) -> list[Any]:
-    """Return the cases of a test, of which all but the first run by night only."""
-    every = list(cases)
-    later = [one if isinstance(one, tuple) else (one,) for one in every[day:]]
-    return every[:day] + [pytest.param(*one, marks=pytest.mark.night) for one in later]
+def spread(every: Iterable[Case], day: int) -> list[Case]:
+    """Return all cases of a test by night, and `day` of them, evenly spread, by day."""
+    listed = list(every)
+    if NIGHT or day >= len(listed):
+        return listed
+    return [listed[round(k * len(listed) / day)] for k in range(day)]

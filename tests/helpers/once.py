@@ -1,7 +1,5 @@
 """What several processes of the tests need, made by the first of them."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Kernels as plain Python, for tests of what they compute: nothing is compiled."""
 
-from __future__ import annotations
-
 import sys
 from types import FunctionType
 from typing import Any

@@ -11,13 +11,13 @@ import numpy as np
 
 from exact_planes import Point, digits
 from many_digits import mp, mpf
-from night import count
+from night import count, spread
 from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.scenes import SCENES, instead_of
 
 RANDOM, EXTREME = count(120, 2000), count(40, 300)
-TUNED = 8  # points for each threshold, three in a row
+TUNED = count(4, 8)  # points for each threshold, three in a row
 
 
 DECADES = {  # of random values
@@ -159,9 +159,10 @@ def solve(scene, variant, base, switch, turned):
 @functools.cache
 def make_points(scene):
     rng = np.random.default_rng(2004)
-    return [
+    every = [
         *(random_point(scene, rng) for _ in range(RANDOM)),
         *(extreme_point(scene, rng) for _ in range(EXTREME)),
         *(p for pair in THRESHOLDS[scene].items() for p in tuned_points(scene, *pair, rng)),
         *(random_point(scene, rng) | hard for hard in HARD.get(scene, ())),
     ]
+    return spread(every, 150)

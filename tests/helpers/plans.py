@@ -1,6 +1,12 @@
-"""Plans of scenes by their names."""
+"""Plans of scenes by their names, and the values that their equations give."""
 
-from collections.abc import Collection
+from __future__ import annotations
+
+import warnings
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
 
 from vibrafeed.core.plan.plan import Plan, find_scene, plan_scene
 
@@ -10,3 +16,17 @@ def make_plan(
 ) -> Plan:
     """Return the plan for outputs of a named scene; raise `StudyError` with every problem."""
     return plan_scene(*find_scene(scene, variant), outputs, parameters)
+
+
+def values_at(
+    scene: str, variant: str | None, outputs: Collection[str], cells: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return outputs at cells, SI units: each equation is called once, and none may warn."""
+    plan = make_plan(scene, variant, outputs, cells)
+    known = {name: np.asarray(value) for name, value in {**plan.defaults, **cells}.items()}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", ".*usual values are")
+        for equation in plan.equations:
+            known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
+    return {name: known[name] for name in plan.outputs}

@@ -32,10 +32,12 @@ TRILLION = with_axes(frequency=1000, amplitude=1000, alpha=1000, beta=1000)
 """Of 10^12 cells."""
 
 
-def problem(response, status: int) -> dict:
-    """Return the problem document of a reply that has to be one."""
+def problem(response, status: int, kind: str = "") -> dict:
+    """Return the problem document of a reply that has to be one, of a kind."""
     assert response.status_code == status, response.text
     assert response.headers["content-type"] == "application/problem+json"
     document = response.json()
     assert document["status"] == status
+    assert document["title"]
+    assert document["type"].endswith(kind)
     return document

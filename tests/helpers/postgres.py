@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import shutil
 import signal
@@ -25,15 +26,21 @@ class Postgres:
     """A server that can be stopped, killed and started again, on the same port."""
 
     def __init__(self, programs: Path, folder: Path):
-        self._programs, self._folder = programs, folder
-        self._data = folder / "data"
-        self.port = free_port()
-        self._count = 0
+        self._programs, self._folder, self._data = programs, folder, folder / "data"
+        self.port, self._numbers = free_port(), itertools.count()
+        is_root = os.geteuid() == 0  # whose server it refuses to be
+        self._how: dict[str, Any] = {
+            "cwd": folder, "stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL,
+            "stderr": subprocess.DEVNULL,
+            **({"user": "postgres", "group": "postgres"} if is_root else {}),
+        }  # fmt: skip
         word = folder / "password"
         word.write_text(PASSWORD)
-        self._own(folder, word)
-        self._run("initdb", "--pgdata", self._data, "--username=vibrafeed", "--encoding=UTF8",
-                  "--auth=scram-sha-256", f"--pwfile={word}", "--no-sync")  # fmt: skip
+        for path in (folder, word) if is_root else ():
+            shutil.chown(path, "postgres", "postgres")
+        options = ["--username=vibrafeed", "--encoding=UTF8", "--auth=scram-sha-256", "--no-sync"]
+        command = [programs / "initdb", "--pgdata", self._data, f"--pwfile={word}", *options]
+        subprocess.run(command, check=True, **self._how)
 
     def url(self, database: str) -> str:
         """Return the URL of a database."""
@@ -43,8 +50,7 @@ class Postgres:
 
     def new_database(self) -> str:
         """Make an empty database; return its URL."""
-        self._count += 1
-        name = f"ledger{self._count}"
+        name = f"ledger{next(self._numbers)}"
         with psycopg.connect(self.url("postgres"), autocommit=True) as connection:
             connection.execute(f"CREATE DATABASE {name}".encode())
         return self.url(name)
@@ -54,8 +60,7 @@ class Postgres:
         self._process = subprocess.Popen(
             [self._programs / "postgres", "-D", self._data, "-p", str(self.port),
              "-c", "listen_addresses=127.0.0.1", "-c", "fsync=off", "-k", self._folder],
-            cwd=self._folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL, **self._user(),
+            **self._how,
         )  # fmt: skip
 
         def answers() -> bool:
@@ -72,22 +77,6 @@ class Postgres:
         """Stop it; `SIGQUIT` is what a crash does."""
         self._process.send_signal(how)
         self._process.wait(PATIENCE)
-
-    def _own(self, *paths: Path) -> None:
-        if os.geteuid() == 0:
-            for path in paths:
-                shutil.chown(path, "postgres", "postgres")
-
-    def _user(self) -> dict[str, Any]:
-        """Return as whom to run it: it refuses to be root's."""
-        return {"user": "postgres", "group": "postgres"} if os.geteuid() == 0 else {}
-
-    def _run(self, program: str, *arguments: str | Path) -> None:
-        subprocess.run(
-            [self._programs / program, *arguments], check=True, cwd=self._folder,
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            **self._user(),
-        )  # fmt: skip
 
 
 def programs() -> Path | None:

@@ -1,27 +1,20 @@
-"""The outputs of a plan to 50 digits: its own equations, run on numbers of that precision.
+"""Functions of numpy, and ours, on numbers of 50 digits.
 
-The equations are written for arrays and do not ask what stands in them. Arrays of `Number` run
-them with mpmath by the functions of `DIGITS`; where a step would round to a float it fails instead,
+Equations are written for arrays and do not ask what stands in them. Arrays of `Number` run them
+with mpmath by the functions of `DIGITS_OF`; where a step would round to a float it fails instead,
 so that a result has all its digits or there is none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
 import mpmath
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
-from numpy.typing import NDArray
-
-from vibrafeed.core.errors import VibrafeedError
-from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.plan.plan import Plan
-from vibrafeed.core.watch import Watch
 
 DIGITS = 50
 
@@ -37,13 +30,6 @@ CONSTANTS = {
 }
 """The exact numbers that some floats in equations stand for; other floats, and parameters, are
 taken as they are."""
-
-STEP = CONTEXT.mpf(10) ** -20
-"""Step of the central differences behind a condition number, as a share of the parameter."""
-
-VANISHES = 1e-35  # SI units: a result of 50 digits that is less counts as 0
-
-PIECE = 64  # cells that are computed before progress is reported
 
 
 def _divide(m: Any, above: Any, below: Any) -> Any:
@@ -127,10 +113,6 @@ DIGITS_OF: dict[str, Callable[..., Any]] = {
 
 TRUTHS = ("less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "isnan", "isinf",
           "isfinite")  # fmt: skip
-
-
-class NotPreciseError(VibrafeedError):
-    """An equation rounds to floats on its way, so that its value to 50 digits is not known."""
 
 
 def _mpf(value: Any) -> Any:
@@ -252,223 +234,3 @@ def _labelled(result: Any) -> Any:
     if isinstance(result, list):
         return [_labelled(one) for one in result]
     return result
-
-
-def exact_values(
-    plan: Plan, cells: Mapping[str, Array], *, partial: bool = False, watch: Watch | None = None
-) -> dict[str, NDArray[np.object_]]:
-    """Return the outputs of a closed-form plan at cells to 50 digits.
-
-    Parameters
-    ----------
-    plan : Plan
-        What to compute; every parameter of it is among the cells.
-    cells : mapping of str to ndarray, shape (n,)
-        The parameters, SI units; each float is taken as it is, to its last bit.
-    partial : bool
-        Leave out what an equation rounds on its way to, instead of an error.
-    watch : Watch, optional
-        Told of progress.
-
-    Returns
-    -------
-    dict of str to ndarray of object, shape (n,)
-        Numbers of `mpmath`, SI units.
-
-    Raises
-    ------
-    NotPreciseError
-        If an equation rounds on its way; not if `partial`.
-    """
-    columns, size = _columns(cells)
-    return _outputs(plan, columns, size, partial, watch or Watch())
-
-
-def sensitivities(
-    plan: Plan, cells: Mapping[str, Array], *, partial: bool = False, watch: Watch | None = None
-) -> dict[str, NDArray[np.object_]]:
-    """Return the sum |x dF/dx| over the parameters x, for each output F, to 50 digits.
-
-    Over |F| the sum is the condition number: if every parameter changes by a share h, the output
-    changes by at most h times that number of itself. It is found by central differences.
-
-    Parameters
-    ----------
-    cells : mapping of str to ndarray, shape (n,)
-        The parameters, SI units.
-    partial : bool
-        True to leave out outputs that an equation rounds to floats, instead of an error.
-    watch : Watch, optional
-        Takes the progress, and may stop the work.
-
-    Returns
-    -------
-    dict of str to ndarray of mpmath numbers, shape (n,)
-    """
-    watch = watch or Watch()
-    columns, size = _columns(cells)
-    names = [name for name in columns if name in plan.parameters]
-    share = watch.part(1 / max(1, 2 * len(names)))
-    moved: dict[str, Any] = dict.fromkeys(plan.outputs, np.full(size, CONTEXT.zero))
-    for name in names:
-        up, down = (
-            _outputs(
-                plan,
-                {**columns, name: columns[name] * Number(1 + way * STEP)},
-                size,
-                partial,
-                share,
-            )
-            for way in (1, -1)
-        )
-        moved = {
-            output: total + abs(up[output] - down[output]) / (2 * STEP)
-            for output, total in moved.items()
-            if output in up
-        }
-    return moved
-
-
-def _columns(cells: Mapping[str, Array]) -> tuple[dict[str, Any], int]:
-    """Return the cells as columns of 50-digit numbers, and their length.
-
-    A parameter is the float that it is, but for multiples of 90 degrees (`mechanics.arrays`).
-    """
-    columns = {name: _AS_NUMBER(np.atleast_1d(values)) for name, values in cells.items()}
-    size = max((column.size for column in columns.values()), default=1)
-    return {name: np.broadcast_to(column, size) for name, column in columns.items()}, size
-
-
-_AS_NUMBER = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1)
-
-
-def _outputs(
-    plan: Plan, columns: Mapping[str, Any], size: int, partial: bool, watch: Watch
-) -> dict[str, NDArray[np.object_]]:
-    """Return the outputs of a plan at cells to 50 digits, as mpmath numbers, shape (size,).
-
-    Parameters
-    ----------
-    columns : mapping of str to ndarray of mpmath numbers, shape (size,)
-        The parameters, SI units.
-    partial : bool
-        True to leave out outputs that an equation rounds to floats; else `NotPreciseError` is
-        raised.
-    watch : Watch
-        Takes the progress, and may stop the work.
-    """
-    rounds: dict[str, str] = {}
-    outputs = {name: np.empty(size, dtype=object) for name in plan.outputs}
-    for start in range(0, size, PIECE):
-        piece = slice(start, min(start + PIECE, size))
-        count = piece.stop - piece.start
-        # Defaults as columns too: numpy turns arrays without dimension into bare elements.
-        known: dict[str, Any] = {
-            name: _labelled(_AS_NUMBER(np.full(count, value)))
-            for name, value in plan.defaults.items()
-        }
-        known |= {name: _labelled(columns[name][piece]) for name in plan.parameters}
-        _run(plan, known, rounds)
-        for name in plan.outputs:
-            if name not in rounds:
-                with np.errstate(all="ignore"):
-                    values = np.broadcast_to(_numbers(known[name]), count)
-                outputs[name][piece] = [number.value for number in values]
-        watch.advance(count / size)
-    for name in rounds:
-        if name in outputs and not partial:
-            raise NotPreciseError(rounds[name])
-        outputs.pop(name, None)
-    return outputs
-
-
-def _run(plan: Plan, known: dict[str, Any], rounds: dict[str, str]) -> None:
-    """Add the results of a plan's equations to `known`, as arrays of numbers of 50 digits.
-
-    `known` has the parameters and defaults. A quantity that an equation rounds to floats goes to
-    `rounds` instead, with the reason, as do those that need it.
-    """
-    for equation in plan.equations:
-        lost = [name for name in equation.inputs if name in rounds]
-        if lost:
-            rounds[equation.gives] = rounds[lost[0]]
-            continue
-        inputs = {name: known[name] for name in equation.inputs}
-        try:
-            with np.errstate(all="ignore"):  # of NaN on its way into a number
-                known[equation.gives] = _labelled(equation.function(**inputs))
-        except TypeError as error:
-            rounds[equation.gives] = f"{equation.gives} of {plan.scene.name}: {error}"
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Errors of one output over some cells; arrays of shape (cells,).
-
-    NaN where the exact value is 0 and the float is not: rounding of 0 by law has no scale.
-
-    Attributes
-    ----------
-    relative : ndarray
-        Error over the exact value.
-    ulps : ndarray
-        Error in units in the last place of the exact value.
-    conditioned : ndarray
-        The same over the condition number, which is at least 1.
-    condition : ndarray
-        Condition number: sum of |x dF/dx|/|F| over the parameters x, at least 1.
-    """
-
-    relative: Array
-    ulps: Array
-    conditioned: Array
-    condition: Array
-
-
-def errors_of(
-    got: Array, exact: NDArray[np.object_], moved: NDArray[np.object_], dtype: Any
-) -> Errors:
-    """Return the errors of values computed in a floating-point type.
-
-    Parameters
-    ----------
-    got : ndarray, shape (n,)
-        Values as the floats gave them.
-    exact : ndarray of object, shape (n,)
-        Exact values, numbers of mpmath.
-    moved : ndarray of object, shape (n,)
-        Sum of |x dF/dx| over the parameters x, numbers of mpmath, for the condition number.
-    dtype : type
-        The floating-point type, by whose last place errors are counted.
-
-    Returns
-    -------
-    Errors
-        Errors over the value, in units in the last place, and these over the condition number;
-        condition numbers. All of shape (n,), NaN where the exact value is 0 and the float is not.
-    """
-    count = len(exact)
-    relative, ulps, conditioned, condition = (np.full(count, np.nan) for _ in range(4))
-    for cell in range(count):
-        value, number = exact[cell], float(got[cell])
-        if not CONTEXT.isfinite(value) or not np.isfinite(dtype(float(value))):
-            # The right infinity, or no value where there is none, is no error.
-            same = number == float(value) or (CONTEXT.isnan(value) and np.isnan(number))
-            errors = (0.0, 0.0, 0.0) if same else (np.inf, np.inf, np.inf)
-            relative[cell], ulps[cell], conditioned[cell] = errors
-            continue
-        if abs(value) < VANISHES:
-            if number == 0:
-                relative[cell] = ulps[cell] = conditioned[cell] = 0.0
-            continue
-        error = abs(CONTEXT.mpf(number) - value) if np.isfinite(number) else CONTEXT.inf
-        unit = CONTEXT.mpf(float(np.spacing(np.abs(dtype(float(value))))))
-        size = abs(value)
-        kappa = CONTEXT.one
-        if CONTEXT.isfinite(moved[cell]):
-            kappa = max(kappa, moved[cell] / size)
-        relative[cell] = float(error / size)
-        ulps[cell] = float(error / unit)
-        conditioned[cell] = float(error / unit / kappa)
-        condition[cell] = float(kappa)
-    return Errors(relative, ulps, conditioned, condition)

@@ -1,9 +1,9 @@
 """Random studies of all kinds against a running server, which ends in no error of its own.
 
-Posted are studies of any scene, variant, method and setting, with values inside their bounds, at
-them and just beyond. What is accepted as a job is dismissed, one of `FOLLOWED` after it has been
-followed for a while. Told are replies by status, every 5xx and every job that failed by the
-service's fault, with its study.
+Posted are the studies that are shipped with other values, and with values at their bounds and
+beyond. What is accepted as a job is dismissed, one of `FOLLOWED` after it has been followed for a
+while. Told are replies by status, every 5xx and every job that failed by the service's fault, with
+its study.
 """
 
 from __future__ import annotations
@@ -16,185 +16,45 @@ import time
 import urllib.error
 import urllib.request
 from collections import Counter
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
 from benchmarks.serving import Served, served
+from random_studies import KINDS, random_study, shipped
 from vibrafeed.app.settings import Settings
-from vibrafeed.core.catalogue import describe
-from vibrafeed.core.errors import StudyError, VibrafeedError
+from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.motion.systems import SYSTEMS
-from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.scenes import SCENES
 from waiting import PATIENCE
 
 FOLLOWED = 25
 LOOKS = 25  # at a job that is followed, 0.2 s apart
 CLIENTS = 4
-ROUNDS = 6
 
-SETTINGS = {
-    "tolerance": (1e-13, 1.0),
-    "max_periods": (8, 100_000),
-}
-"""Settings of motion and their bounds in the schema."""
+EXTREMES = (0.0, -1.0, 1e-300, 1e300, 5e-324, 1e-12, 1e12)
 
-INSTEAD = (
-    (("friction_static", "friction_kinetic"), ("friction",)),
-    (("peak_to_peak",), ("amplitude",)),
-    (("vertical_amplitude", "vertical_peak_to_peak"), ()),
-)
-"""Parameters that stand for one another."""
-
-Random = np.random.Generator
 Content = dict[str, Any]
 
 
-def drawn(random: Random, low: float, high: float) -> float:
-    """Return a number between two bounds, or one of them, or one just beyond."""
-    inside = float(np.exp(random.uniform(np.log(low), np.log(high))))
-    return float(random.choice([inside] * 6 + [low, high, low / 2, high * 2, low * (1 - 1e-15)]))
-
-
-def value(random: Random, name: str) -> Any:
-    """Return a value of a parameter: mostly as examples have it, else at its ends or beyond."""
-    quantity = QUANTITIES[name]
-    low, high = quantity.lower, quantity.upper
-    extreme = [low, high, low - 1e-9, high + 1e-9, 0.0, 1e-300, 1e300, -1.0, 1e-12, 1e12, 5e-324]
-    if random.random() < 0.02:
-        return float(random.choice([x for x in extreme if np.isfinite(x)]))
-    example = str(random.choice(quantity.examples)) if quantity.examples else "1"
-    number, _, unit = example.partition(" ")
-    try:
-        scaled = float(number) * float(np.exp(random.normal(0.0, 0.7)))
-    except ValueError:
-        return example
-    word = f"{scaled:.6g} {unit}".strip()
-    if random.random() < 0.2:
-        stop = f"{scaled * random.uniform(1.0, 3.0):.6g} {unit}".strip()
-        size = int(2 + np.exp(random.uniform(0.0, 4.0)))
-        return {"start": word, "stop": stop, "num": size}
-    if random.random() < 0.03:
-        return [word, word, "x", {"a": 1}, None, float(number)][random.integers(6) :]
-    return word
-
-
-def parameters(random: Random, told: Content) -> Content:
-    """Return values of what a scene needs, of some of what it may be given, seldom of others."""
-    given = {}
-    for one in told["parameters"]:
-        needed = one.get("default") is None
-        if needed or random.random() < 0.3:
-            given[one["name"]] = value(random, one["name"])
-    for one, other in INSTEAD:
-        if random.random() < 0.97:
-            for name in one if random.random() < 0.6 else other:
-                given.pop(name, None)
-    if given and random.random() < 0.05:
+def study(random: np.random.Generator) -> Content:
+    """Return the content of a study of any kind, with some mistakes."""
+    kind = str(random.choice(KINDS))
+    content = random_study(random, kind, shipped(kind))
+    given = content["parameters"]
+    for name in [name for name in given if random.random() < 0.05]:
+        quantity = QUANTITIES[name]
+        ends = [end for end in (quantity.lower, quantity.upper) if np.isfinite(end)]
+        beyond = [end + step for end in ends for step in (-1e-9, 0.0, 1e-9)]
+        given[name] = float(random.choice([*EXTREMES, *beyond]))
+    if random.random() < 0.05:
         given.pop(str(random.choice(list(given))))
     if random.random() < 0.05:
-        name = str(random.choice(list(QUANTITIES)))
-        given[name] = value(random, name)
-    return given
-
-
-def mended(random: Random, content: Content) -> Content:
-    """Return a study without what it would be refused for, as far as that is soon found."""
-    for _ in range(ROUNDS):
-        try:
-            prepare_content(content)
-        except StudyError as error:
-            for problem in error.problems:
-                first, _, name = problem.place.partition(".")
-                name = name.partition(".")[0]
-                if first == "parameters" and name in content["parameters"]:
-                    removed = content["parameters"].pop(name)
-                    examples = QUANTITIES[name].examples
-                    if (examples and isinstance(removed, dict | list)) or random.random() < 0.3:
-                        content["parameters"][name] = str(random.choice(examples or ("1",)))
-                elif first == "parameters" and name in QUANTITIES:
-                    content["parameters"][name] = str(random.choice(QUANTITIES[name].examples))
-                elif first not in ("kind", "scene", "parameters", "criterion"):
-                    content.pop(first, None)
-        else:
-            break
-    return content
-
-
-def outputs(random: Random, told: Content) -> list[str]:
-    """Return some outputs of a scene."""
-    names = [one["name"] for one in told["outputs"]]
-    count = int(random.integers(1, 4))
-    return [str(name) for name in random.choice(names, min(count, len(names)), replace=False)]
-
-
-def study(random: Random) -> Content:
-    """Return the content of a study of any kind."""
-    kind = str(random.choice(["sweep", "simulate", "simulate", "optimise"]))
-    if kind == "simulate":
-        scene = str(random.choice(list(SYSTEMS)))
-        method = str(random.choice(list(SYSTEMS[scene].variants)))
-        told = describe(scene, method=method)
-        content: Content = {"method": method}
-        known = SYSTEMS[scene].variant_defaults.get(method, {})
-        for name, bounds in SETTINGS.items():
-            if random.random() < (0.4 if name in known else 0.02):
-                number = drawn(random, *bounds)
-                content[name] = number if isinstance(bounds[0], float) else int(number)
-        if random.random() < 0.1:
-            content["trajectory"] = [
-                int(random.integers(0, 60)),
-                [0.0, 10 ** random.uniform(-6, 9)],
-            ][random.integers(2)]
-    else:
-        scene = str(random.choice(list(SCENES)))
-        variant = str(random.choice(list(SCENES[scene].variants)))
-        told = describe(scene, variant)
-        content = {"variant": variant} if random.random() < 0.7 else {}
-    content |= {"kind": kind, "scene": scene, "parameters": parameters(random, told)}
-    if kind == "optimise":
-        output, against = [*outputs(random, told), *outputs(random, told)][:2]
-        ways: list[Content] = [
-            {"kind": "maximise", "output": output},
-            {"kind": "minimise", "output": output},
-            {
-                "kind": "weighted",
-                "output": output,
-                "against": against,
-                "weight": random.uniform(0, 3),
-            },
-            {
-                "kind": "pareto",
-                "output": output,
-                "against": against,
-                "points": int(drawn(random, 2, 60)),
-            },
-            {
-                "kind": "limit",
-                "output": output,
-                "against": against,
-                "limit": drawn(random, 1e-3, 1e3),
-            },
-        ]
-        content["criterion"] = ways[random.integers(len(ways))]
-        if random.random() < 0.3:
-            content["method"] = str(random.choice(list(METHODS)))
-        if random.random() < 0.4:
-            names = list(content["parameters"]) or ["beta"]
-            name = str(random.choice(names))
-            content["parameters"].pop(name, None)
-            low = random.uniform(0.0, 1.0)
-            content["variables"] = {name: {"lower": low, "upper": low + random.uniform(-0.1, 1.0)}}
-    elif random.random() < 0.8:
-        content["outputs"] = outputs(random, told)
-    if kind == "sweep" and random.random() < 0.15:
-        axes = list(content["parameters"]) or ["beta"]
-        content["reduce"] = {"over": [str(random.choice(axes))], "statistics": ["max", "mean"]}
+        given[str(random.choice(list(QUANTITIES)))] = "1"
+    if kind == "simulate" and random.random() < 0.3:
+        content["tolerance"] = 10 ** random.uniform(-14, 1)
+        content["max_periods"] = int(10 ** random.uniform(0, 6))
     if random.random() < 0.1:
         content["verify"] = int(random.integers(0, 20))
     return content
@@ -282,18 +142,10 @@ class Search:
             print(self.wrong[-1], flush=True)
 
 
-def studies(seed: int, count: int) -> Iterator[Content]:
-    """Yield random studies."""
-    random = np.random.default_rng(seed)
-    for _ in range(count):
-        content = study(random)
-        yield content if random.random() < 0.3 else mended(random, content)
-
-
-def searched(count: int, seed: int) -> tuple[Search, int]:
-    """Post random studies to a server of its own; return what was found, and its memory [bytes]."""
+def searched(count: int, seed: int) -> Search:
+    """Post random studies to a server of its own; return what was found."""
     with served(max_queue=1000) as server, ThreadPoolExecutor(CLIENTS) as clients:
-        search = Search(server)
-        for _ in clients.map(search.post, studies(seed, count)):
+        search, random = Search(server), np.random.default_rng(seed)
+        for _ in clients.map(search.post, [study(random) for _ in range(count)]):
             pass
-        return search, server.memory()
+        return search

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.signal import lfilter
 
 from vibrafeed.core.measured import Signal
 
@@ -14,6 +16,8 @@ DRIVE: dict[str, Orders] = {
     "along": ((1e-4, 0.0), (2e-5, 0.5), (5e-6, -1.0)),
     "normal": ((5e-5, 2.0), (3e-5, -0.3), (1e-5, 1.0)),
 }
+AMPLITUDES = np.array([[amplitude for amplitude, _ in orders] for orders in DRIVE.values()])
+PHASES = np.array([[phase for _, phase in orders] for orders in DRIVE.values()])
 
 
 def signal_of(
@@ -40,3 +44,17 @@ def csv_of(signal: Signal, names: Sequence[str] = ("ax", "az"), unit: str = "m s
     header = ",".join(["time [s]", *(f"{name} [{unit}]" for name in names)])
     rows = np.vstack([signal.times, signal.accelerations]).T
     return "\n".join([header, *(",".join(map(repr, row)) for row in rows.tolist())]) + "\n"
+
+
+def noisy(
+    signal: Signal, rng: np.random.Generator, colour: float = 0.0, size: float = 1.0
+) -> Signal:
+    """Return a signal with noise of variance size^2, each value `colour` times the one before."""
+    white = rng.standard_normal((len(signal.axes), signal.times.size + 200))
+    noise = lfilter([np.sqrt(1 - colour**2)], [1, -colour], white)[:, 200:]
+    return signal._replace(accelerations=signal.accelerations + size * noise)
+
+
+def turned(angle: ArrayLike) -> NDArray[np.float64]:
+    """Return an angle in [-pi, pi)."""
+    return (np.asarray(angle) + np.pi) % (2 * np.pi) - np.pi

@@ -29,28 +29,11 @@ def cell(px, pz, friction, *, kinetic=None, mass=None, gap=None, gs=0.0, gn=1.0,
     gap = [0.0] * n if gap is None else [*gap, 0.0]
     if steps:  # as a wave has them: no harmonics, levels along, across and normal, ends
         ends, levels = steps
-        none = [0.0] * len(ends)
-        steps = [0, len(ends), *levels, *none, *none, *ends]
+        steps = [0, len(ends), *levels, *[0.0] * (2 * len(ends)), *ends]
     if wave is not None:
         steps = wave.columns(())[0]
-    numbers = [
-        px,
-        pz,
-        gs,
-        gn,
-        e,
-        most,
-        stop,
-        stop_gap,
-        n,
-        n,
-        *friction,
-        *kinetic,
-        *mass,
-        *gap,
-        *steps,
-    ]
-    return np.array(numbers, dtype=float)
+    head = [px, pz, gs, gn, e, most, stop, stop_gap, n, n]
+    return np.array([*head, *friction, *kinetic, *mass, *gap, *steps], dtype=float)
 
 
 def sines(along=(), normal=(), along_cosines=(), normal_cosines=()):

@@ -13,12 +13,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
 from benchmarks.serving import free_port
 from waiting import EVERY, PATIENCE, SELDOM, wait_for
 
 ROOT = Path(__file__).parents[2]
+SERVE = "from vibrafeed.app.cli import main; main()"  # as `vibrafeed` does, from here
 
 QUICK = {"lease_seconds": 3, "block_seconds": 0.3}
 """Settings with which work that was left behind is soon taken up again."""
@@ -27,8 +29,8 @@ QUICK = {"lease_seconds": 3, "block_seconds": 0.3}
 class Service:
     """`vibrafeed serve` on a folder; it can be killed and started again, on the same port."""
 
-    def __init__(self, folder: Path, *options: str, **settings: Any):
-        self.options = options
+    def __init__(self, folder: Path, *options: str, code: str = SERVE, **settings: Any):
+        self.options, self.code = options, code
         self.folder, self.log = folder, folder / "log"
         self.port = free_port()
         self.address = f"http://127.0.0.1:{self.port}"
@@ -39,8 +41,8 @@ class Service:
 
     def launch(self) -> None:
         """Start it, and do not wait for it."""
-        serve = "from vibrafeed.app.cli import main; main()"  # as `vibrafeed` does, from here
-        command = [sys.executable, "-c", serve, "serve", "--port", str(self.port), *self.options]
+        command = [sys.executable, "-c", self.code, "serve", *self.options]
+        command += ["--port", str(self.port)]
         with self.log.open("ab") as file:
             self.process = subprocess.Popen(
                 command, cwd=ROOT, env=self._environment, stdout=file, stderr=file
@@ -66,6 +68,11 @@ class Service:
         assert self.process is not None
         self.process.kill()
         self.process.wait(PATIENCE)
+
+    def workers(self) -> list[psutil.Process]:
+        """Return the processes below that of the server."""
+        assert self.process is not None
+        return psutil.Process(self.process.pid).children(recursive=True)
 
     def stop(self) -> None:
         """Ask it to stop, if it runs."""
@@ -105,8 +112,14 @@ class Server(Service):
 
         return wait_for(replied)[0]
 
+    def get(self, path: str) -> Any:
+        return json.loads(self.ask(path))
+
     def job(self, number: str) -> Any:
-        return json.loads(self.ask(f"/jobs/{number}"))
+        return self.get(f"/jobs/{number}")
+
+    def dataset(self, number: str) -> bytes:
+        return self.ask(f"/jobs/{number}/results/dataset")
 
     def post(self, study: Mapping[str, Any]) -> str:
         path = f"/processes/{study['kind']}/execution"
@@ -132,12 +145,46 @@ class Server(Service):
 
 
 @contextmanager
-def services(folders: pytest.TempPathFactory) -> Iterator[Callable[..., Service]]:
-    """Yield a function that starts a service with settings; all of them stop in the end."""
-    started: list[Service] = []
+def serving(folder: Path, *options: str, **settings: Any) -> Iterator[Server]:
+    """Yield a server that has been launched, and stop it in the end."""
+    server = Server(folder, *options, **settings)
+    server.launch()
+    try:
+        yield server
+    finally:
+        server.stop()
 
-    def start(*options: str, **settings: Any) -> Service:
-        service = Service(folders.mktemp("service"), *options, **settings)
+
+def wait_for_end(processes: Iterable[psutil.Process]) -> None:
+    """Wait until processes are over; nobody may ask for the exit code of those of others."""
+
+    def is_over(process: psutil.Process) -> bool:
+        try:
+            return process.status() == psutil.STATUS_ZOMBIE
+        except psutil.NoSuchProcess:
+            return True
+
+    wait_for(lambda: all(is_over(process) for process in processes))
+
+
+def refusal(ask: Callable[[], object], status: int, kind: str = "") -> Any:
+    """Return the problem document, of a kind, of a reply that has to be one."""
+    with pytest.raises(urllib.error.HTTPError) as refused:
+        ask()
+    with refused.value as reply:
+        document = json.load(reply)
+    assert (reply.code, reply.headers["content-type"]) == (status, "application/problem+json")
+    assert document["type"].endswith(kind)
+    return document
+
+
+@contextmanager
+def services(folders: pytest.TempPathFactory) -> Iterator[Callable[..., Server]]:
+    """Yield a function that starts a service with settings; all of them stop in the end."""
+    started: list[Server] = []
+
+    def start(*options: str, **settings: Any) -> Server:
+        service = Server(folders.mktemp("service"), *options, **settings)
         started.append(service)
         service.start()
         return service

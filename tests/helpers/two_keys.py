@@ -1,26 +1,22 @@
-"""Two keys that share a service: neither sees, changes, evicts or slows the other.
+"""Two keys that share a service: neither sees, changes or evicts what is the other's.
 
-`python -m tests.helpers.two_keys` lets both make 2,000 calls in a random order against a server of
-its own: equal and different studies, reads by identifiers of their own and of the other, lists,
-dismissals, events, slices, Zarr, NetCDF, sharing. What each should see is known from what it did
-itself and what it was shared. One has a limit of bytes, and so loses results of its own; the other
-may lose nothing. Then a small slice is asked for alone, and beside the other's work.
+Both make calls in a random order: equal and different studies, reads by identifiers of their own
+and of the other, lists, dismissals, events, slices, Zarr, NetCDF, sharing. What each should see is
+known from what it did itself and what it was shared. One has a limit of bytes, and so loses results
+of its own; the other may lose nothing.
 """
 
 from __future__ import annotations
 
-import argparse
 import http.client
 import json
-import multiprocessing
 import random
 import time
+from contextlib import ExitStack
 from pathlib import Path
-from statistics import median
 from typing import Any
 from urllib.parse import urlsplit
 
-from benchmarks.serving import served
 from vibrafeed.app.jobs.keys import Key, Keys
 from vibrafeed.app.jobs.ledger import Ledger
 from waiting import PATIENCE
@@ -28,10 +24,12 @@ from waiting import PATIENCE
 STRICT, LIMITED = "strict", "limited"
 LIMITED_BYTES = 60_000
 STUDIES = 8  # different ones that both choose among
-SLICES = 300
-MAX_SLOWER = 1.5
 SLICE = "/slice?output=acceleration_x&axes=beta"
 ASYNC = {"Prefer": "respond-async"}
+
+
+SWEEP_ENDS = ["", SLICE, "/netcdf", "/zarr/zarr.json", "/nowhere"]
+JOB_ENDS = ["", "/results", "/results/dataset", "/events", "/results/zarr/zarr.json"]
 
 
 def study(number: int, values: int = 20) -> dict[str, Any]:
@@ -113,7 +111,7 @@ class Play:
         Results that the one with the limit lost to its own.
     """
 
-    def __init__(self, clients: tuple[Client, Client], seed: int):
+    def __init__(self, clients: list[Client], seed: int):
         self._clients, self._random = clients, random.Random(seed)
         self.wrong: list[str] = []
         self.lost = 0
@@ -204,116 +202,34 @@ class Play:
 
     def _guess(self, me: Client, other: Client) -> None:
         """Ask for what the other has, by a name that nobody told."""
-        unknown = "0" * 64
-        for name, shared in self._random.sample(
-            sorted(other.sweeps.items()), min(2, len(other.sweeps))
-        ):
-            if name in me.sweeps:
-                continue
-            end = self._random.choice(["", SLICE, "/netcdf", "/zarr/zarr.json", "/nowhere"])
-            status, body = me.ask("GET", f"/sweeps/{name}{end}")
-            if shared:
-                if status not in (200, 404, 403 if end == "/netcdf" else 200):
-                    self.wrong.append(f"{me.name}, a shared sweep{end}: {status}")
-                status, _ = me.ask("PATCH", f"/sweeps/{name}", {"shared": False})
-                self._refused("a shared sweep", me, status, 403, 404)
-                continue
-            told, none = me.ask("GET", f"/sweeps/{unknown}{end}")
-            if (status, body) != (told, none.replace(unknown.encode(), name.encode())):
-                self.wrong.append(f"{me.name} tells sweep{end} of the other from none: {status}")
-            self._refused(
-                "a sweep", me, me.ask("PATCH", f"/sweeps/{name}", {"shared": True})[0], 404
-            )
-        for name, shared in self._random.sample(
-            sorted(other.jobs.items()), min(2, len(other.jobs))
-        ):
-            end = self._random.choice(
-                ["", "/results", "/results/dataset", "/events", "/results/zarr/zarr.json"]
-            )
-            if not shared:
-                status, body = me.ask("GET", f"/jobs/{name}{end}")
-                told, none = me.ask("GET", f"/jobs/{'0' * 32}{end}")
-                if (status, body) != (told, none.replace(b"0" * 32, name.encode())):
-                    self.wrong.append(f"{me.name} tells job{end} of the other from none: {status}")
-            status = 403 if shared else 404
-            self._refused("a job", me, me.ask("DELETE", f"/jobs/{name}")[0], status)
-            self._refused(
-                "a job", me, me.ask("PATCH", f"/jobs/{name}", {"shared": True})[0], status
-            )
-
-    def _refused(self, what: str, me: Client, status: int, *right: int) -> None:
-        if status not in right:
-            self.wrong.append(f"{me.name} changes {what} of the other: {status}, not {right}")
+        for kind, unknown, ends, theirs in (
+            ("sweeps", "0" * 64, SWEEP_ENDS, other.sweeps), ("jobs", "0" * 32, JOB_ENDS, other.jobs)
+        ):  # fmt: skip
+            names = sorted(set(theirs) - set(me.sweeps))
+            for name in self._random.sample(names, min(2, len(names))):
+                path, end, shared = f"/{kind}/{name}", self._random.choice(ends), theirs[name]
+                status, body = me.ask("GET", path + end)
+                told, none = me.ask("GET", f"/{kind}/{unknown}{end}")
+                none = none.replace(unknown.encode(), name.encode())
+                if not shared and (status, body) != (told, none):
+                    self.wrong.append(
+                        f"{me.name} tells {kind}{end} of the other from none: {status}"
+                    )
+                refused = [me.ask("PATCH", path, {"shared": not shared})[0]]
+                if kind == "jobs":
+                    refused.append(me.ask("DELETE", path)[0])
+                right = {404} if not shared else {403} if kind == "jobs" else {403, 404}
+                if not set(refused) <= right:
+                    self.wrong.append(f"{me.name} changes {kind} of the other: {refused}")
 
 
 def play(address: str, keys: dict[str, str], calls: int, seed: int) -> Play:
     """Let both make calls in a random order; return what was found."""
-    strict, limited = (Client(address, name, key) for name, key in keys.items())
-    found = Play((strict, limited), seed)
-    try:
+    with ExitStack() as stack:
+        clients = [Client(address, name, key) for name, key in keys.items()]
+        for client in clients:
+            stack.callback(client.close)
+        found = Play(clients, seed)
         for _ in range(calls):
             found.call()
-    finally:
-        strict.close()
-        limited.close()
     return found
-
-
-def slices(address: str, key: str) -> list[float]:
-    """Return how long small slices take [s]."""
-    client = Client(address, STRICT, key)
-    taken = []
-    try:
-        _, body = client.ask("POST", "/sweeps", study(9999))
-        path = f"/sweeps/{json.loads(body)['id']}{SLICE}"
-        for _ in range(SLICES):
-            started = time.perf_counter()
-            client.ask("GET", path)
-            taken.append(time.perf_counter() - started)
-            time.sleep(0.01)
-    finally:
-        client.close()
-    return taken
-
-
-def busy(address: str, key: str) -> None:
-    """Post studies and read slices, one after another, until it is ended."""
-    client = Client(address, LIMITED, key)
-    count = 0
-    try:
-        while True:
-            count += 1
-            client.ask("POST", "/processes/sweep/execution", study(count), **ASYNC)
-            _, body = client.ask("POST", "/sweeps", study(count, 2000))
-            client.ask("GET", f"/sweeps/{json.loads(body).get('id')}{SLICE}")
-    finally:
-        client.close()
-
-
-def main() -> int:
-    """Print what was found; return 1 if something is wrong."""
-    parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
-    parser.add_argument("--calls", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    with served(workers=1) as server:
-        keys = make_keys(server.address, server.data)
-        found = play(server.address, keys, given.calls, given.seed)
-        print(f"{given.calls:,} calls, {len(found.wrong)} wrong, {found.lost} lost to their own")
-        for line in found.wrong[:20]:
-            print(" ", line)
-        alone = median(slices(server.address, keys[STRICT]))
-        processes = multiprocessing.get_context("spawn")
-        other = processes.Process(target=busy, args=(server.address, keys[LIMITED]))
-        other.start()
-        time.sleep(3)
-        beside = median(slices(server.address, keys[STRICT]))
-        other.terminate()
-        other.join()
-    print(f"a small slice, median: alone {alone * 1e3:.2f} ms, beside the other {beside * 1e3:.2f}")
-    print(f"{beside / alone:.2f} times as long; the bar is {MAX_SLOWER:g}")
-    return int(bool(found.wrong) or beside / alone > MAX_SLOWER)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-PATIENCE = 300.0
+PATIENCE = 120.0
 """Seconds after which a state is taken never to come. It measures nothing."""
 EVERY = 0.05  # s between two looks
 SELDOM = 0.25

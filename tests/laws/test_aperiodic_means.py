@@ -13,15 +13,12 @@ from benchmarks.honest_estimates import Groups, random_groups
 from benchmarks.motion import SETTINGS
 from benchmarks.motion import groups as grid
 from benchmarks.motions import planar_motion
-from benchmarks.waves import as_harmonic
-from tests.helpers import night
-from vibrafeed.core.motion import events
+from night import count, spread
 from vibrafeed.core.motion.method import STATUS, Motion
-from vibrafeed.core.motion.method import Groups as Part
 
 SEED = 47
 CELLS = 1_700  # random, of which a fifth do not repeat
-LONG = night.count(8_000, 64_000, "VIBRAFEED_LONG_PERIODS")
+LONG = count(8_000, 64_000, "VIBRAFEED_LONG_PERIODS")
 CHAOTIC, PERIODIC = STATUS["aperiodic"], STATUS["periodic"]
 
 
@@ -41,8 +38,7 @@ def chaotic() -> tuple[Groups, Motion]:
     return groups, followed(groups, 1e-12, LONG)
 
 
-@pytest.mark.by_day(2)
-@pytest.mark.parametrize("tolerance", [0.01, 0.03, 0.1])
+@pytest.mark.parametrize("tolerance", spread([0.01, 0.03, 0.1], 2))
 def test_the_stated_error_is_seldom_exceeded(
     chaotic: tuple[Groups, Motion], tolerance: float
 ) -> None:
@@ -71,50 +67,16 @@ def test_a_mean_that_is_known_well_enough_ends_its_runs(
     assert np.mean(coarse.error[both] > 1.5 * fine.error[both]) > 0.25
 
 
-def test_a_finer_tolerance_changes_no_mean(chaotic: tuple[Groups, Motion]) -> None:
-    groups, _ = chaotic
-    few = some(groups, np.arange(20))
-    found, known = followed(few, 9e-4), followed(few, 1e-12)
-    np.testing.assert_array_equal(found.velocity, known.velocity)
-    np.testing.assert_array_equal(found.status, known.status)
-
-
-def test_a_sine_and_the_same_as_a_harmonic(chaotic: tuple[Groups, Motion]) -> None:
-    """What a flight does to the slip is kept in other numbers of a wave than of a sine."""
-    groups, _ = chaotic
-    few = Part(**some(groups, np.arange(60)))
-    sine, wave = (
-        events.planar_motion(part, tolerance=0.03, max_periods=1000.0)
-        for part in (few, as_harmonic(few))
-    )
-    both = (sine.status == CHAOTIC) & (wave.status == CHAOTIC)
-    assert both.sum() > 50
-    apart = np.abs(sine.velocity - wave.velocity)
-    assert np.mean(apart[both] > (sine.error + wave.error)[both]) <= 0.05
-    assert np.median(np.abs(sine.flight - wave.flight)[both]) < 0.02
-
-
-def test_motion_that_repeats_is_no_further_off_than_said() -> None:
+@pytest.mark.parametrize("tolerance", [0.1, 0.01, 1e-3, 1e-6])
+def test_motion_that_repeats_is_no_further_off_than_said(tolerance: float) -> None:
     """Up to 29 times what was said, where the slip's error was read off a slope that changes."""
-    groups = random_groups(2_000, 31)
-    groups = some(groups, followed(groups, 0.1).status == PERIODIC)
-    exact = followed(groups, 1e-12)
-    for tolerance in (0.1, 0.03, 0.01, 1e-3, 1e-6):
-        found = followed(groups, tolerance)
-        both = (found.status == PERIODIC) & (exact.status == PERIODIC)
-        assert np.mean(both) > 0.99
-        off = np.abs(found.velocity - exact.velocity)
-        assert np.all(off[both] <= (found.error + exact.error)[both])
-        np.testing.assert_allclose(found.hop_height[both], exact.hop_height[both], rtol=1e-9)
-
-
-def test_few_periods_and_no_repeats_are_as_without_a_tolerance() -> None:
-    """Runs too short to tell an error stop where they did; a part that runs away has no mean."""
-    groups = some(random_groups(400, 5), np.arange(400))
-    known, found = followed(groups, 1e-12, 50.0), followed(groups, 0.1, 50.0)
-    np.testing.assert_array_equal(found.status, known.status)
-    repeats = known.status != PERIODIC
-    np.testing.assert_array_equal(found.velocity[repeats], known.velocity[repeats])
+    groups = random_groups(1_000, 31)
+    found, exact = followed(groups, tolerance), followed(groups, 1e-12)
+    both = (found.status == PERIODIC) & (exact.status == PERIODIC)
+    assert both.sum() > 0.99 * (exact.status == PERIODIC).sum() > 300
+    off = np.abs(found.velocity - exact.velocity)
+    assert np.all(off[both] <= (found.error + exact.error)[both])
+    np.testing.assert_allclose(found.hop_height[both], exact.hop_height[both], rtol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -124,22 +86,17 @@ def test_cells_that_land_at_the_same_times_have_the_bits_that_each_has_alone(
     throws: list[float], tolerance: float, status: int
 ) -> None:
     """Their landings are found once, whichever of them comes first or is followed for longest."""
-    throw, friction, beta = np.meshgrid(throws, [0.2, 0.5, 0.9], [20, 35, 50], indexing="ij")
+    throw, friction, beta = np.meshgrid(throws, [0.2, 0.5, 0.9], [20, 50], indexing="ij")
     groups = grid(throw, friction, beta, 1.0, 0.3)
     groups = {name: values for name, values in groups.items() if name not in SETTINGS}
     cells = np.arange(throw.size)
-    together, backwards = (
-        followed(some(groups, order), tolerance) for order in (cells, cells[::-1])
-    )
+    together, backwards = (followed(some(groups, at), tolerance) for at in (cells, cells[::-1]))
+    alone = [followed(some(groups, cells[at : at + 1]), tolerance) for at in cells]
     assert np.mean(together.status == status) > 0.5
-    for cell in cells:
-        alone = followed(some(groups, cells[cell : cell + 1]), tolerance)
-        for name, values in alone._asdict().items():
-            if isinstance(values, np.ndarray):
-                for all_of_them in (together, backwards):
-                    at = cell if all_of_them is together else cells.size - 1 - cell
-                    found = getattr(all_of_them, name)[at : at + 1]
-                    np.testing.assert_array_equal(found, values, err_msg=name)
+    for name in ("velocity", "error", "flight", "hop_height", "status"):
+        each = np.concatenate([getattr(one, name) for one in alone])
+        np.testing.assert_array_equal(getattr(together, name), each)
+        np.testing.assert_array_equal(getattr(backwards, name)[::-1], each)
 
 
 LATE = [
@@ -157,17 +114,17 @@ NAMES = (
 )  # fmt: skip
 
 
-def test_cycles_that_are_reached_late_are_found_and_counted_in_the_error() -> None:
-    late = 0
-    for numbers in LATE:
-        study = {
-            "scene": "rectangle-on-plane", "frequency": 50,
-            "outputs": ["conveying_velocity", "conveying_velocity_error"],
+@pytest.mark.parametrize("numbers", LATE)
+def test_cycles_that_are_reached_late_are_found_and_counted_in_the_error(numbers) -> None:
+    """`sensitive`, all four on the author's machine; which of them hangs on last digits."""
+    found, long = (
+        vibrafeed.simulate(
+            scene="rectangle-on-plane", frequency=50, max_periods=most,
+            outputs=["conveying_velocity", "conveying_velocity_error"],
             **dict(zip(NAMES, numbers, strict=True)),
-        }  # fmt: skip
-        found, long = vibrafeed.simulate(**study), vibrafeed.simulate(**study, max_periods=20_000)
-        if found.motion_status == STATUS["sensitive"]:
-            late += 1
-            off = abs(float(found.conveying_velocity - long.conveying_velocity))
-            assert off <= float(found.conveying_velocity_error)
-    assert late  # all six on the author's machine; which of them hangs on last digits
+        )
+        for most in (1000, 20_000)
+    )  # fmt: skip
+    if found.motion_status == STATUS["sensitive"]:
+        off = abs(float(found.conveying_velocity - long.conveying_velocity))
+        assert off <= float(found.conveying_velocity_error)

@@ -6,6 +6,8 @@ with the code at random points. Numbers in brackets are equations of the source.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -57,16 +59,9 @@ def weight(climb: sp.Symbol, lean: sp.Expr) -> sp.Matrix:
     return about_x.T * about_y * sp.Matrix([0, 0, -g])
 
 
-@pytest.fixture(scope="module")
-def gravity_components() -> dict[str, np.ndarray]:
-    angles = {"gravity": AT[g], "gamma": AT[gamma]}
-    leaning = {**angles, "delta": AT[delta]}
-    return {
-        "along": floor.gravity_along(**angles),
-        "normal": floor.gravity_normal(**angles),
-        "leaning_normal": floor.leaning_gravity_normal(**leaning),
-        "across": floor.gravity_across(**leaning),
-    }
+ANGLES = {"gravity": AT[g], "gamma": AT[gamma]}
+ALONG, NORMAL = floor.gravity_along(**ANGLES), floor.gravity_normal(**ANGLES)
+ACROSS = floor.gravity_across(**ANGLES, delta=AT[delta])
 
 
 def drive() -> dict[str, np.ndarray]:
@@ -78,118 +73,82 @@ def drive() -> dict[str, np.ndarray]:
     }
 
 
-def test_gravity_in_track_axes_3_13(gravity_components):
+def test_gravity_in_track_axes_3_13():
     """Erratum 6: the matrices of (3.13) themselves press the part on the wall, weight_y < 0."""
-    components = weight(gamma, delta)
-    agree(-gravity_components["along"], components[0], 10)
-    agree(-gravity_components["across"], components[1], 10)
-    agree(-gravity_components["leaning_normal"], components[2], 10)
+    onto = floor.leaning_gravity_normal(**ANGLES, delta=AT[delta])
+    for got, component in zip((ALONG, ACROSS, onto), weight(gamma, delta), strict=True):
+        agree(-got, component, 10)
 
 
-def test_a_block_on_the_plane_3_9_to_3_12(gravity_components):
+def test_a_block_on_the_plane_3_9_to_3_12():
     """Per-axis friction as printed; sums of forces along x, y, z with zddot = 0."""
     ax, ay, normal = sp.symbols("ax ay normal")
-    body = weight(gamma, sp.Integer(0))
-    solved = sp.solve(
-        [
-            DRIVE[0] + body[0] - mu * normal - ax,
-            DRIVE[1] + body[1] - mu * normal - ay,
-            DRIVE[2] + body[2] + normal,
-        ],
-        [ax, ay, normal],
-        dict=True,
-    )[0]
+    forces = DRIVE + weight(gamma, sp.Integer(0)) + sp.Matrix([-mu * normal, -mu * normal, normal])
+    (solved,) = sp.solve(forces - sp.Matrix([ax, ay, 0]), [ax, ay, normal], dict=True)
     push = drive()
-    n0 = floor.normal_acceleration(
-        gravity_normal=gravity_components["normal"], drive_normal=push["normal"]
-    )
+    n0 = floor.normal_acceleration(gravity_normal=NORMAL, drive_normal=push["normal"])
     agree(n0, solved[normal], 200)
-    got_x = floor.per_axis_acceleration_x(
-        in_plane_drive_x=push["along"] - gravity_components["along"],
-        friction_kinetic=AT[mu],
-        normal_acceleration=n0,
-    )
-    got_y = floor.per_axis_acceleration_y(
-        in_plane_drive_y=push["across"], friction_kinetic=AT[mu], normal_acceleration=n0
-    )
+    rubs = {"friction_kinetic": AT[mu], "normal_acceleration": n0}
+    got_x = floor.per_axis_acceleration_x(in_plane_drive_x=push["along"] - ALONG, **rubs)
+    got_y = floor.per_axis_acceleration_y(in_plane_drive_y=push["across"], **rubs)
     agree(got_x, solved[ax], 200)
     agree(got_y, solved[ay], 200)
     # (3.10), (3.12): components in axes turned by theta are projections on the turned unit vectors
-    axis_x = sp.Matrix([sp.cos(theta), sp.sin(theta)])
-    axis_y = sp.Matrix([-sp.sin(theta), sp.cos(theta)])
-    plane = sp.Matrix([solved[ax], solved[ay]])
+    c, s = sp.cos(theta), sp.sin(theta)
     turned = {"acceleration_x": got_x, "acceleration_y": got_y, "yaw": AT[theta]}
-    agree(floor.rotated_acceleration_x(**turned), plane.dot(axis_x), 200)
-    agree(floor.rotated_acceleration_y(**turned), plane.dot(axis_y), 200)
+    agree(floor.rotated_acceleration_x(**turned), c * solved[ax] + s * solved[ay], 200)
+    agree(floor.rotated_acceleration_y(**turned), c * solved[ay] - s * solved[ax], 200)
 
 
-def track_solution(lean: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
+@cache
+def track_solution(lean: sp.Expr) -> dict[str, sp.Expr]:
     """Solve the free body of fig. 3.10: unknown wall forces, floor friction, acceleration.
 
     Wall corners rear and front at the top edge, wall normals without sin(sigma) as (3.13) has them,
     floor resultant through the centre, a_y = v^2/R.
     """
-    rear, front, fx, fy, ax = sp.symbols("rear front fx fy ax")
-    body = DRIVE + weight(gamma, lean)
+    unknown = rear, front, fx, fy, ax = sp.symbols("rear front fx fy ax")
+    on_wall = c * sp.Matrix([-mu, 1, -mu_s])
     forces = [
-        (sp.Matrix([-h / 2, -a / 2, b / 2]), rear * c * sp.Matrix([-mu, 1, -mu_s])),
-        (sp.Matrix([h / 2, -a / 2, b / 2]), front * c * sp.Matrix([-mu, 1, -mu_s])),
+        (sp.Matrix([-h / 2, -a / 2, b / 2]), rear * on_wall),
+        (sp.Matrix([h / 2, -a / 2, b / 2]), front * on_wall),
         (sp.Matrix([0, 0, -b / 2]), sp.Matrix([-fx, fy, 0])),
     ]
-    total = sum((force for _, force in forces), sp.zeros(3, 1)) + m * body
+    total = sum((force for _, force in forces), m * (DRIVE + weight(gamma, lean)))
     moment = sum((arm.cross(force) for arm, force in forces), sp.zeros(3, 1))
-    unknown = [rear, front, fx, fy, ax]
     equations = [total[0] - m * ax, total[1] - m * v**2 / R, *moment]
-    solved = sp.solve(equations, unknown, dict=True)[0]
-    wanted = dict(zip(("rear", "front", "fx", "fy", "ax"), unknown, strict=True))
-    return {name: solved[symbol] for name, symbol in wanted.items()}
+    (solved,) = sp.solve(equations, unknown, dict=True)
+    return {str(symbol): solved[symbol] for symbol in unknown}
 
 
-@pytest.mark.parametrize(("variant", "lean"), [("derived", delta), ("thesis", -delta)])
-def test_a_block_on_the_track_3_15_to_3_17(gravity_components, variant, lean):
+@pytest.mark.parametrize(("variant", "lean"), [("derived", delta), ("printed", -delta)])
+def test_a_block_on_the_track_3_15_to_3_17(variant, lean):
     """The derived forms follow from the free body; the printed ones from it with g_y turned.
 
     Errata 6, 7 and 11: the reconstruction is exact, and neither K nor a_x depends on a, b, h, m.
     """
-    solved = track_solution(lean)
-    push, centripetal = drive(), AT[v] ** 2 / AT[R]
-    across = {
-        "centripetal_acceleration": centripetal,
-        "gravity_across": gravity_components["across"],
-        "drive_across": push["across"],
-    }
-    printed = variant == "thesis"
-    balance = (wall.printed_wall_balance if printed else wall.derived_wall_balance)(**across)
-    load = wall.top_edge_wall_acceleration(
-        wall_balance=balance, width=AT[a], height=AT[b], friction_static=AT[mu_s]
+    solved, push, centripetal = track_solution(lean), drive(), AT[v] ** 2 / AT[R]
+    across = {"gravity_across": ACROSS, "drive_across": push["across"]}
+    sizes = {"width": AT[a], "height": AT[b], "friction_static": AT[mu_s]}
+    balance = getattr(wall, f"{variant}_wall_balance")(
+        centripetal_acceleration=centripetal, **across
     )
-    sizes = {
-        "wall_force": AT[m] * load,
-        "chord_cosine": AT[c],
-        "width": AT[a],
-        "length": AT[h],
-        "friction_kinetic": AT[mu],
-    }
-    agree(wall.wall_force_rear(**sizes), solved["rear"], 200)
-    agree(wall.wall_force_front(**sizes), solved["front"], 200)
-    floor = wall.top_edge_floor_acceleration(
-        wall_acceleration=load, width=AT[a], height=AT[b], friction_static=AT[mu_s]
-    )
+    load = wall.top_edge_wall_acceleration(wall_balance=balance, **sizes)
+    corners = {"wall_force": AT[m] * load, "chord_cosine": AT[c], "width": AT[a], "length": AT[h],
+               "friction_kinetic": AT[mu]}  # fmt: skip
+    agree(wall.wall_force_rear(**corners), solved["rear"], 200)
+    agree(wall.wall_force_front(**corners), solved["front"], 200)
+    floor = wall.top_edge_floor_acceleration(wall_acceleration=load, **sizes)
     agree(AT[m] * floor, solved["fy"], 200)
     agree(AT[mu] * AT[m] * floor, solved["fx"], 200)  # lambda_N = lambda_Tx/mu_k, (3.15b)
-    K = (wall.printed_starting_acceleration if printed else wall.derived_starting_acceleration)(
-        drive_along=push["along"],
-        drive_across=push["across"],
-        gravity_along=gravity_components["along"],
-        gravity_across=gravity_components["across"],
-        friction_kinetic=AT[mu],
+    K = getattr(wall, f"{variant}_starting_acceleration")(
+        drive_along=push["along"], gravity_along=ALONG, friction_kinetic=AT[mu], **across
     )
     got = wall.curved_acceleration_x(
         starting_acceleration=K, friction_kinetic=AT[mu], centripetal_acceleration=centripetal
     )
     agree(got, solved["ax"], 400)
-    simplified = sp.simplify(solved["ax"])
-    assert not simplified.free_symbols & {a, b, h, m, mu_s, c}
+    assert not sp.simplify(solved["ax"]).free_symbols & {a, b, h, m, mu_s, c}
 
 
 def test_the_printed_forces_leave_the_friction_cone_3_15():
@@ -197,8 +156,6 @@ def test_the_printed_forces_leave_the_friction_cone_3_15():
     solved = track_solution(delta)
     floor = numbers(sp.sqrt(solved["fx"] ** 2 + solved["fy"] ** 2) * mu / sp.Abs(solved["fx"]))
     assert np.all(floor > np.maximum(1.0, AT[mu]))  # |lambda_T| over lambda_N = lambda_Tx/mu_k
-    on_wall = np.hypot(AT[mu], AT[mu_s])
-    assert np.all(on_wall > np.maximum(AT[mu], AT[mu_s]))
 
 
 def test_velocity_after_a_distance_3_18():
@@ -223,19 +180,13 @@ def test_a_cylinder_on_the_plane_3_36_and_3_38():
 
     The drive acts at the centre, d/2 above the contact line; I = m d^2/8 about the axis.
     """
-    spin = sp.symbols("spin")
+    spin, f = sp.symbols("spin f")
     central = m * d**2 / 8
-    at_contact = central + m * (d / 2) ** 2
-    moment = d / 2 * m * DRIVE[1]
-    right = sp.solve(at_contact * spin - moment, spin)[0]
-    printed = sp.solve(central * spin - moment, spin)[0]
+    # Rolling on a level plane: friction f at the rim turns the cylinder.
+    rolls = [DRIVE[1] - f / m - d / 2 * spin, f * d / 2 - central * spin]
+    right = sp.solve(rolls, [spin, f])[spin]
+    printed = d / 2 * m * DRIVE[1] / central
+    assert sp.simplify(printed / right) == 3
     push = {"drive_across": drive()["across"], "diameter": AT[d]}
     agree(rolling.rolling_angular_acceleration(**push), right, 1e5)
     agree(rolling.printed_angular_acceleration(**push), printed, 1e5)
-    assert sp.simplify(printed / right) == 3
-    # Rolling on a level plane: friction f at the rim gives the same without moments about the line.
-    f = sp.symbols("f")
-    rolling_motion = sp.solve(
-        [DRIVE[1] - f / m - d / 2 * spin, f * d / 2 - central * spin], [spin, f], dict=True
-    )[0]
-    assert sp.simplify(rolling_motion[spin] - right) == 0

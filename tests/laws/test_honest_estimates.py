@@ -13,16 +13,15 @@ from benchmarks.honest_estimates import (
     by_events,
     judge,
     random_groups,
-    rated,
 )
 from benchmarks.motions import planar_motion
+from night import spread
 from vibrafeed.core.motion.method import STATUS
 
 STUDIES = {"spatial": 800, "events": 800, "chaos": 300}
 
 
-@pytest.mark.by_day(1)
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", spread(STUDIES, 1))
 def test_the_true_error_is_seldom_larger_than_the_stated_one(name: str) -> None:
     for row in ESTIMATES[name][0](STUDIES[name]):
         assert row.judged > 200
@@ -42,35 +41,6 @@ def test_the_judge_sees_a_dishonest_estimate() -> None:
     assert row.exceeded > 0.9
     assert row.worst > 1e3
     assert not row.honest
-
-
-@pytest.mark.parametrize("stated", [np.inf, np.nan])
-@pytest.mark.parametrize("elsewhere", [False, True])
-def test_an_error_that_is_no_number_is_not_honest(stated: float, elsewhere: bool) -> None:
-    true, said = np.zeros(200), np.ones(200)
-    assert rated("all stated", 200, true, said, 0.0, elsewhere=elsewhere).honest
-    said[:4] = stated
-    row = rated("four not", 200, true, said, 0.0, elsewhere=elsewhere)
-    assert (row.exceeded, row.unstated, row.worst, row.honest) == (0.0, 0.02, 0.0, False)
-    none = rated("none", 200, true, np.full(200, stated), 0.0, elsewhere=elsewhere)
-    assert (none.unstated, none.honest) == (1.0, False)
-    one = rated("one of 200 not", 200, true, np.r_[stated, np.ones(199)], 0.0, elsewhere=elsewhere)
-    assert one.honest
-
-
-def test_a_true_error_that_is_no_number_is_not_honest() -> None:
-    assert not rated("unknown", 1, np.array([np.nan]), np.ones(1), 0.0, elsewhere=True).honest
-
-
-def test_a_reference_that_does_not_know_its_error_judges_nothing() -> None:
-    groups = random_groups(200, 9)
-    exact = by_events(groups)
-    good = exact.status == STATUS["periodic"]
-    error = exact.error.copy()
-    first = np.flatnonzero(good)[0]
-    error[first] = np.inf
-    row = judge("one unknown", exact, exact.velocity, error, good, 0.0)
-    assert (row.judged, row.honest) == (good.sum() - 1, True)
 
 
 def test_a_slide_that_gains_speed_for_ever_is_no_mean() -> None:

@@ -1,7 +1,5 @@
 """The wheel holds the files of the repository byte for byte, under one name, beside any other."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
@@ -14,8 +12,6 @@ import pytest
 import vibrafeed
 from tools import tool
 from waiting import PATIENCE
-
-pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("core", "app", "configs", "vibrafeed")
@@ -46,11 +42,8 @@ def tracked() -> dict[str, bytes]:
         [tool("git"), "ls-files", *FOLDERS], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout.split()
     files = [name for name in listed if not (ROOT / name).is_symlink()]
-    return {f"vibrafeed/{name.removeprefix('vibrafeed/')}": content(name) for name in files}
-
-
-def content(name: str) -> bytes:
-    return (ROOT / name).read_bytes()
+    named = {f"vibrafeed/{name.removeprefix('vibrafeed/')}": name for name in files}
+    return {name: (ROOT / file).read_bytes() for name, file in named.items()}
 
 
 def contents(wheel: Path) -> dict[str, bytes]:
@@ -101,10 +94,10 @@ def test_its_files_are_those_of_the_repository(wheel):
 def test_a_checkout_without_links_builds_the_same_wheel(wheel, tmp_path):
     """Git on Windows writes a small text file in the place of a link."""
     for name in (*FOLDERS, "scripts", "pyproject.toml", "README.md", "LICENSE"):
-        copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
-        copy(
-            ROOT / name, tmp_path / name, **({"symlinks": True} if copy is shutil.copytree else {})
-        )
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, tmp_path / name, symlinks=True)
+        else:
+            shutil.copy(ROOT / name, tmp_path)
     for name in ("core", "app"):
         (tmp_path / "vibrafeed" / name).unlink()
         (tmp_path / "vibrafeed" / name).write_text(f"../{name}")
@@ -129,9 +122,6 @@ def test_it_works_beside_a_core_and_an_app_of_the_user(python, tmp_path):
     assert owners.startswith("the user the user")
     assert Path(owners.split()[-1]).parts[-3:] == ("vibrafeed", "core", "__init__.py")
     assert same == "True"
-
-
-def test_its_commands_run(python, tmp_path):
     for command in ([python, "-m", "vibrafeed"], [python.with_name("vibrafeed")]):
         done = subprocess.run(
             [*command, "--help"], cwd=tmp_path, capture_output=True, text=True, check=True

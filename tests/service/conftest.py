@@ -6,8 +6,10 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from services import Service, services
+from services import Server, services
 from tools import tool
+
+pytest.register_assert_rewrite("ledger_laws")
 
 
 @pytest.fixture(scope="session")
@@ -16,14 +18,20 @@ def curl() -> str:
 
 
 @pytest.fixture(scope="module")
-def serve(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Service]]:
+def serve(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Server]]:
     """Return a function that starts a service of one's own with settings."""
     with services(tmp_path_factory) as start:
         yield start
 
 
 @pytest.fixture(scope="session")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Return the address of a service that all clients share, as they do in life."""
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """Yield a service that all clients share, as they do in life."""
     with services(tmp_path_factory) as start:
-        yield start(workers=2).address
+        yield start(workers=2)
+
+
+@pytest.fixture(scope="session")
+def server(shared: Server) -> str:
+    """Return the address of the service that all clients share."""
+    return shared.address

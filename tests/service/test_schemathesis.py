@@ -125,12 +125,7 @@ def served(tmp_path_factory) -> Iterator[tuple[str, Path]]:
         job = asked(f"{address}/processes/sweep/execution", STUDY, Prefer="respond-async")["jobID"]
         wait_for(lambda: asked(f"{address}/jobs/{job}")["status"] == "successful")
         configuration = folder / "schemathesis.toml"
-        content = CONFIGURATION.format(
-            patience=PATIENCE,
-            key=KEY,
-            sweep=sweep,
-            job=job,
-        )
+        content = CONFIGURATION.format(patience=PATIENCE, key=KEY, sweep=sweep, job=job)
         configuration.write_text(content)
         yield address, configuration
 

@@ -3,8 +3,6 @@
 Each `type: ignore` stands where a user is wrong; mypy tells of one that is not needed.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -45,15 +43,11 @@ design["amplitude"] = "0.2 mm"
 vf.simulate("rectangle-on-plane", **design)
 
 vf.simulate(3)  # type: ignore[arg-type]
-vf.simulate(scene=3)  # type: ignore[arg-type]
-vf.simulate(friction={1, 2})  # type: ignore[arg-type]
 vf.simulate(beta=[None])  # type: ignore[list-item]
 vf.simulate(verify="ten")  # type: ignore[arg-type]
 vf.simulate(amplitude_along_1=None)  # type: ignore[arg-type]
 vf.simulate("rectangle-on-plane", frequncy=50)  # type: ignore[call-arg]
-vf.sweep(outputs=5)  # type: ignore[arg-type]
 vf.sweep(max_periods=10)  # type: ignore[call-arg]
-vf.optimise(robust="best")  # type: ignore[arg-type]
 vf.plot(study)  # type: ignore[arg-type]
 other: RectangleOnPlane = {"spring_count": 4, "radius": 0.1}  # type: ignore[typeddict-unknown-key]
 unit_on_springs: LinearDriveUnit = {"spring_count": 4, "moving_mass": "12 kg"}

@@ -1,0 +1,80 @@
+"""The page on the thesis is complete, and what a program writes of it is up to date."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from benchmarks.figures.judgement import VERDICTS
+from benchmarks.figures.page import FIGURES, PAGE, page
+from benchmarks.figures.studies import picture_of
+from vibrafeed.core.scenes import SCENES
+
+ROOT = Path(__file__).parents[2]
+TEXT = PAGE.read_text(encoding="utf-8")
+LAST = {2: 14, 3: 44, 4: 20}
+ERRORS = TEXT.partition("## Errors")[2].partition("\n## ")[0]
+FIGURE_ROW = re.compile(r"^\| \[5\.(\d+)\]\((figures/\S+)\) \| .+ \| ([^|]+) \|$", re.MULTILINE)
+
+
+def test_the_part_on_the_figures_is_up_to_date():
+    assert page(TEXT) == TEXT
+
+
+def test_every_equation_and_every_error_has_a_row():
+    rows = re.findall(r"^\| \((\d\.\d+)\) \|", TEXT, re.MULTILINE)
+    assert rows == [f"{chapter}.{n}" for chapter, last in LAST.items() for n in range(1, last + 1)]
+    numbers = re.findall(r"^\| (\d+) \|", ERRORS, re.MULTILINE)
+    assert numbers == [str(number) for number in range(1, 33)]
+
+
+def test_every_error_names_tests_that_exist_or_says_why_there_is_none():
+    tests = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("*.py"))
+    for row in re.findall(r"^\| \d+ \|.*\|$", ERRORS, re.MULTILINE):
+        shown = row.split(" | ")[-1]
+        names = re.findall(r"`(test_\w+)`", shown)
+        assert names or "no test: " in shown or "`tests/" in shown, row
+        for name in names:
+            assert f"def {name}(" in tests, name
+
+
+def test_what_is_named_exists():
+    for path in re.findall(r"`((?:tests|configs|core|docs)/\S+\.(?:py|toml|md))`", TEXT):
+        assert (ROOT / path).is_file(), path
+    theory = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+    for section in set(re.findall(r"\btheory (\d+(?:\.\d+)*)", TEXT)):
+        assert re.search(rf"^#+ {re.escape(section)}\.? \S", theory, re.MULTILINE), section
+    of_the_thesis = [name for name, scene in SCENES.items() if scene.source]
+    assert len(of_the_thesis) == 8
+    assert [name for name in of_the_thesis if f"`{name}`" not in TEXT] == []
+
+
+def test_every_figure_has_a_row_and_a_picture():
+    rows = FIGURE_ROW.findall(TEXT)
+    assert [int(number) for number, _, _ in rows] == list(FIGURES) == list(range(1, 30))
+    for number, link, verdicts in rows:
+        assert PAGE.parent / link == picture_of(int(number))
+        assert set(verdicts.split("; ")) <= set(VERDICTS)
+        assert f"]({link})" in TEXT.partition("### Figure")[2]  # below its claims
+    pictures = sorted(picture_of(1).parent.iterdir())
+    assert pictures == sorted({picture_of(number) for number in FIGURES})
+
+
+@pytest.mark.parametrize(
+    ("number", "verdicts"),
+    [
+        (1, ["reproduced", "holds"]),
+        (3, ["artefact beyond lift-off"]),
+        (5, ["holds", "artefact beyond lift-off"]),
+        (11, ["reproduced", "not reproduced"]),
+        (19, ["holds"]),
+        (23, ["reproduced", "holds"]),
+        (26, ["not reproduced", "not reproduced"]),
+        (27, ["not reproduced"]),
+        (28, ["cannot be reproduced"]),
+    ],
+)
+def test_verdicts(number: int, verdicts: list[str]):
+    assert [judgement.verdict for judgement in FIGURES[number]()] == verdicts

@@ -1,0 +1,214 @@
+"""What the commands refuse: an exit code and a sentence, and no file is written or changed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from commands import run, saved, tells
+
+RECORDING = Path(__file__).parents[4] / "examples" / "accelerometer.csv"
+SWEEP = """
+kind = "sweep"
+scene = "rectangle-on-plane"
+outputs = ["acceleration_x", "throw_number"]
+
+[parameters]
+frequency = { start = "20 Hz", stop = "120 Hz", num = 11 }
+amplitude = "0.5 mm"
+beta = { start = 0, stop = 90, num = 10 }
+friction = 0.3
+"""
+MOTION = """
+kind = "simulate"
+scene = "rectangle-on-plane"
+
+[parameters]
+frequency = "50 Hz"
+amplitude = ["0.1 mm", "0.3 mm"]
+beta = 30
+friction = 0.4
+"""
+WRONG = SWEEP.replace("friction", "fricton").replace("0.5 mm", "0.5 kg")
+LONG = "0.3" + "0" * 250
+EXISTS = "exists already. Add --force to replace it, or give another name"
+GROUP = "a.zarr exists already. Remove the existing output, or give another name."
+DIGITS = "it is a number larger than 1.8e308. Fix the value"
+
+REFUSED = {
+    "run study.toml wrong.toml worse.json absent.toml": (
+        2,
+        "wrong.toml: error: 2 problems",
+        "parameters.amplitude: 'kg' does not measure amplitude",
+        "parameters.fricton: 'fricton' is not a parameter. Did you mean 'friction'?",
+        "worse.json: error: 1 problem",
+        "absent.toml: error: 1 problem",
+    ),
+    "run digits.json digits.toml": (2, f"digits.json: error: 1 problem file: {DIGITS}", DIGITS),
+    "run study.toml --max-cells 60": (
+        2,
+        "the study asks for 110 cells, the limit is 60",
+        "It fits with 6 instead of 11 values of frequency",
+    ),
+    "run study.toml --units 'mm, cheese'": (
+        2,
+        "'cheese' is not a unit that vibrafeed knows. Write trade, si",
+    ),
+    # Where results would go.
+    "run study.toml again/study.toml -o .": (2, "would be written more than once"),
+    "run study.toml motion.toml": (2, f"output: motion.nc {EXISTS}"),
+    "run study.toml -o mine.nc --resume": (2, f"output: mine.nc {EXISTS}"),
+    "run study.toml -o a.zarr": (2, GROUP),
+    "run study.toml -o a.zarr --force": (2, GROUP),
+    "run study.toml -o a.zarr --resume": (2, GROUP),
+    "run study.toml -o file/x.nc": (2, "file cannot be made"),
+    "run study.toml -o nothing://bucket/key": (1, "nothing://bucket/key cannot be written"),
+    "run study.toml other.toml -o x.csv": (2, "x.csv is for one study. Give a folder."),
+    "run study.toml other.toml -o b.zarr": (2, "b.zarr is for one study. Give a folder."),
+    "run study.toml other.toml -o -": (2, "standard output takes the result of one study"),
+    "run study.toml -o -.zarr": (2, "a Zarr group consists of many files"),
+    "run study.toml -o - --json": (2, "standard output cannot take both"),
+    "run study.toml -o y.nc --scheduler tcp://127.0.0.1:1": (
+        2,
+        "a cluster computes sweeps and simulations to Zarr, and studies with [reduce]",
+    ),
+    "run study.toml --shares 2": (2, "There are no shares. --scheduler computes a study on"),
+    # Formats.
+    "run study.toml -o x.txt": (
+        2,
+        "'.txt': unknown format. End it in .nc, .zarr, .csv, .parquet, .xlsx",
+        "or in / if it is a folder",
+    ),
+    "export x.nc -o x.parquett": (2, "Did you mean .parquet?"),
+    "run study.toml -o y.nc --csv-style excel": (
+        2,
+        "--csv-style: it is for CSV only. Leave it out",
+    ),
+    "run huge.toml -o x.xlsx": (2, "3,600,000 rows in a sheet of Excel, the limit is 1,048,575"),
+    "export x.nc -o y.csv --zarr-version 2": (2, "--zarr-version: it is for Zarr only"),
+    "export x.nc -o y.nc --units trade": (2, ".nc files keep the units of the result"),
+    "export x.nc -o x.zarr": (2, "exists already. Remove the existing output, or give another"),
+    "export x.nc -o table.csv": (2, f"table.csv {EXISTS}"),
+    "export table.csv -o y.xlsx": (
+        2,
+        "the file is not a result of vibrafeed. Give a NetCDF file or a Zarr group",
+    ),
+    "export absent.nc -o y.xlsx": (1, "absent.nc cannot be read: No such file"),
+    # Other commands.
+    "scenes rectangle-on-tack": (2, "Did you mean 'rectangle-on-track'?"),
+    "plot motion.nc -k map": (2, "motion.nc: error: 1 problem"),
+    "plot absent.nc": (1, "absent.nc: No such file or directory."),
+    "plot motion.nc --units kelvin": (2, "'kelvin' is not a unit"),
+    "plot motion.nc -k animation": (
+        2,
+        "Set trajectory = 400 in a study of one point, and run it.",
+    ),
+    "plot motion.nc --at amplitude": (2, "it has no value. Write name=value"),
+    f"plot motion.nc --at 'amplitude={LONG} mm'": (
+        2,
+        "has 256 characters. A value has at most 200 characters",
+    ),
+    "plot x.nc -o file": (2, f"file {EXISTS}"),
+    "sheet x.nc -o file": (2, f"file {EXISTS}"),
+    "convert study.toml --to yaml": (
+        2,
+        "to: a study cannot be converted to the format 'yaml'. "
+        "Known: curl, json, powershell, python, toml.",
+    ),
+    "convert wrong.toml --to json": (2, "Did you mean 'friction'?"),
+    "convert study.toml --to json -o file": (2, "the file exists already. Add --force"),
+    "convert study.toml --to json -o no/x.json": (1, "No such file or directory"),
+    "report study.toml again/study.toml": (2, "accuracy-study.nc would be written more than once"),
+    "report study.toml wrong.toml": (2, "wrong.toml: error: 2 problems", "'friction'?"),
+    "report study.toml -o file/below": (1, "Not a directory"),
+    "new file --yes": (2, "the file exists already. Add --force to replace it"),
+    "new x.json --yes": (2, "Name the file x.toml; `vibrafeed convert` makes JSON of it later."),
+    "new no/x.toml --yes": (1, "No such file or directory"),
+    "new x.toml --frequency fast --friction -1": (
+        2,
+        "--frequency: 'fast' is not a number with a unit.",
+        "--friction: friction is -1. It must be",
+    ),
+    "new x.toml --question xyz": (
+        2,
+        "--question: 'xyz' is not one of the answers. Please answer speed",
+    ),
+    "new x.toml --kind sweeps": (2, "'sweeps' is not a kind of study", "sweep"),
+    "new x.toml --kind sweep --wiper '1 mm'": (
+        2,
+        "--wiper: the example study of --kind uses no answers. Leave it out.",
+    ),
+    "new x.toml --radius '1 m'": (2, "--radius: --radius applies only together with --track bowl."),
+    "new x.toml --amplitude '1 mm' --peak-to-peak '2 mm'": (
+        2,
+        "--amplitude: --peak-to-peak gives the same quantity. Leave out",
+    ),
+    f"drive {RECORDING}": (
+        2,
+        "no acceleration column; the recording has the columns time, ax, ay, az. Give",
+    ),
+    "drive absent.csv --along ax": (
+        2,
+        "recording: it cannot be read: No such file or directory.",
+    ),
+    f"drive {RECORDING} --along bx --normal az --rate '3 x' --unit kg --mounting 1,2,3"
+    " --harmonics 12 --plot fit.bmp": (
+        2,
+        f"{RECORDING}: error: 6 problems --plot: '.bmp': unknown picture format. "
+        "End the name of the picture in .png, .svg or .pdf. "
+        "--rate: 'x' is not a unit. Write --rate=\"5 kHz\" (a bare number is in Hz). "
+        "--mounting: the mounting is that of a sensor of three columns, which are not given. "
+        "Give --sensor=three columns, instead of a column for each axis. "
+        "--along: the recording has no column 'bx'. Known: ax, ay, az, time. "
+        "--unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg. "
+        "--harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
+        "out.",
+    ),
+    f"drive {RECORDING} --along ax --sensor ax,ay,az --rate '5 kHz' --time time": (
+        2,
+        "--rate: the recording has both a sampling rate (--rate) and a time column (--time). "
+        "Give only the one that the recorder measures more accurately. "
+        "--sensor: the drive names the columns of a sensor, and single ones (--along). "
+        "Give either --sensor=three columns, or a column for each axis.",
+    ),
+    f"drive {RECORDING} --along ax -o no/part.toml": (1, "No such file or directory"),
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with studies, results, and what stands in the way."""
+    found = tmp_path_factory.mktemp("refusals")
+    files = {
+        "study.toml": SWEEP,
+        "other.toml": SWEEP,
+        "again/study.toml": SWEEP,
+        "wrong.toml": WRONG,
+        "worse.json": '{"kind": "sweep"',
+        "motion.toml": MOTION,
+        "huge.toml": SWEEP.replace("11", "360_000"),
+        "digits.json": f'{{"kind": {"7" * 900_000}}}',
+        "digits.toml": f"frequency = {'7' * 900_000}\n",
+        "file": "",
+        "mine.nc": "mine",
+        "table.csv": "a\n1\n",
+    }
+    for name in ("again", "a.zarr"):
+        (found / name).mkdir()
+    for name, text in files.items():
+        saved(text, str(found / name))
+    run(f"run {found}/study.toml -o {found}/x.nc")
+    run(f"export {found}/x.nc -o {found}/x.zarr")
+    run(f"run {found}/motion.toml")
+    return found
+
+
+@pytest.mark.parametrize(("line", "expected"), REFUSED.items(), ids=map(str, range(len(REFUSED))))
+def test_what_is_refused_is_told_and_writes_nothing(line, expected, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+    code, *sentences = expected
+    tells(line, *sentences, code=code)
+    after = {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+    assert after == before

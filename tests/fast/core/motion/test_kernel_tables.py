@@ -1,0 +1,38 @@
+"""What compiled kernels write stands where the results of the library read it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vibrafeed.core.motion.kernels import constants, inputs, tumbling
+from vibrafeed.core.motion.kernels.tumbling import corners
+from vibrafeed.core.motion.method import Groups, Motion, cells_of
+from vibrafeed.core.motion.tumbling_scene import Tumble, TumblePath
+from vibrafeed.core.quantities import MOTION_MODES
+
+
+def test_columns_of_results_are_the_fields_of_results():
+    assert (*constants.Columns._fields, "status") == Motion._fields
+    assert (*tumbling.COLUMN._fields, "status") == Tumble._fields
+    # A path holds time, the state and the lowest gap, and then the corners.
+    assert len(TumblePath._fields) == tumbling.PATH.touching + 1
+
+
+def test_shares_of_modes_stand_in_the_order_of_the_modes():
+    for name in ("stick", "forward", "backward", "flight"):
+        place = getattr(constants.COLUMN, name) - constants.COLUMN.stick
+        assert place == MOTION_MODES[name].value
+
+
+def test_a_cell_has_the_numbers_of_groups_and_the_settings_of_a_method():
+    fields = (*Groups._fields[:-1], "tolerance", "max_periods")
+    assert inputs.Cell._fields == fields
+    rows, shape = cells_of(Groups(*np.arange(13.0)), tolerance=13.0, max_periods=14.0)
+    assert shape == ()
+    np.testing.assert_array_equal(rows, [np.arange(15.0)])
+
+
+def test_a_cell_is_read_by_the_names_of_its_fields():
+    for tables in (inputs, corners):
+        row = np.arange(len(tables.Cell._fields)) + 0.5
+        assert tables.cell_of(row) == tables.Cell(*row.tolist())

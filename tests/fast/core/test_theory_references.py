@@ -1,0 +1,42 @@
+"""What cites the theory page finds the section there."""
+
+import re
+from pathlib import Path
+
+from vibrafeed.core.scenes import ALIASES, SCENES
+
+ROOT = Path(__file__).parents[3]
+NUMBER = re.compile(r"\d+(?:\.\d+)*")
+# "theory 2.1", "Theory 2, 6", "theory 13.2 to 13.8", also where a line of a comment ends in
+# between, and "[theory.md](theory.md), section 13". What follows a comma is a section if it has a
+# dot, or ends the list.
+REFERENCE = re.compile(
+    r"\btheory(?:\.md\),?)?\s+(?:#\s+)?(?:sections? )?"
+    r"(\d+(?:\.\d+)*(?:(?:, | and | to |-)\d+(?:\.\d+)+|, \d+(?=\)|\.\s|\"))*)",
+    re.IGNORECASE,
+)
+HEADING = re.compile(r"^#{2,4} (\d+(?:\.\d+)*)\.? \S", re.MULTILINE)
+FOLDERS = ("core", "app", "vibrafeed", "tests", "benchmarks", "examples", "configs", "docs")
+
+
+def cited(text: str) -> list[str]:
+    """Return the numbers of the sections that a text cites."""
+    return [number for found in REFERENCE.findall(text) for number in NUMBER.findall(found)]
+
+
+def test_sections_that_are_cited_exist():
+    sections = HEADING.findall((ROOT / "docs" / "theory.md").read_text(encoding="utf-8"))
+    order = [tuple(map(int, heading.split("."))) for heading in sections]
+    assert order == sorted(set(order)), "every section has a number of its own, and they ascend"
+    texts = {
+        path: path.read_text(encoding="utf-8")
+        for folder in FOLDERS for path in (ROOT / folder).rglob("*")
+        if path.suffix in (".py", ".toml", ".md") and path != Path(__file__)
+    }  # fmt: skip
+    found = {(path, number) for path, text in texts.items() for number in cited(text)}
+    assert len({path for path, _ in found}) > 50  # all of them were read
+    assert {(path, number) for path, number in found if number not in sections} == set()
+    for equations in (ALIASES, *(v for s in SCENES.values() for v in s.variants.values())):
+        for equation in equations:
+            if "theory" in equation.source:
+                assert set(cited(equation.source)) & set(sections), equation.source

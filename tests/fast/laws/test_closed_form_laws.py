@@ -1,0 +1,220 @@
+"""Laws that every closed form must obey: friction cone, symmetry, scaling, limits, two routes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from plans import make_plan
+from vibrafeed.core.mechanics import travel
+from vibrafeed.core.plan.plan import Verdict, regimes_of
+from vibrafeed.core.quantities import REGIMES
+
+RANDOM = np.random.default_rng(20041)
+POINTS = 5_000
+EPS = np.finfo(float).eps
+
+PLANE = {
+    "frequency": RANDOM.uniform(5, 200, POINTS),
+    "amplitude": 10 ** RANDOM.uniform(-6, -2.5, POINTS),
+    "alpha": RANDOM.uniform(-np.pi, np.pi, POINTS),
+    "beta": RANDOM.uniform(-np.pi / 2, np.pi / 2, POINTS),
+    "gamma": RANDOM.uniform(-0.5, 0.5, POINTS),
+    "gravity": np.full(POINTS, 9.8),
+    "friction": RANDOM.uniform(0, 1.5, POINTS),
+    "yaw": RANDOM.uniform(-np.pi, np.pi, POINTS),
+}
+TRACK = {
+    **{name: PLANE[name] for name in PLANE if name != "yaw"},
+    "alpha": RANDOM.uniform(-0.5, 1.5, POINTS),
+    "delta": RANDOM.uniform(0, 0.6, POINTS),
+    "radius": 10 ** RANDOM.uniform(-1.5, 2, POINTS),
+    "speed": RANDOM.choice([0, 0.1, 1.0], POINTS) * RANDOM.uniform(0, 1, POINTS),
+    "distance": 10 ** RANDOM.uniform(-6, 1, POINTS),
+}
+
+
+def evaluate(scene: str, variant: str, outputs: list[str], points: dict, **changes) -> dict:
+    """Return every quantity of the plan at the points, and the regime's numbers."""
+    points = {**points, **changes}
+    plan = make_plan(scene, variant, outputs, list(points))
+    known = {name: np.asarray(value) for name, value in {**plan.defaults, **points}.items()}
+    for equation in plan.equations:
+        known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
+    if "in_plane_drive_y" in known:
+        known["drive"] = np.hypot(known["in_plane_drive_x"], known["in_plane_drive_y"])
+    whole = Verdict("regime", tuple(outputs), plan.conditions)
+    known |= {n: np.broadcast_to(v, (POINTS,)) for n, v in regimes_of([whole], known).items()}
+    return known
+
+
+def where(known: dict, name: str) -> np.ndarray:
+    return known["regime"] == REGIMES[name].value
+
+
+SCENES = pytest.mark.parametrize("scene", ["rectangle-on-plane", "cylinder-on-plane"])
+ACCELERATIONS = ["acceleration_x", "acceleration_y", "acceleration_z"]
+ROTATED = ["rotated_acceleration_x", "rotated_acceleration_y"]
+
+
+@SCENES
+def test_friction_stays_in_its_cone_and_opposes_motion(scene):
+    at = evaluate(scene, "physical", [*ACCELERATIONS, *ROTATED], PLANE)
+    friction_x = at["in_plane_drive_x"] - at["acceleration_x"]
+    friction_y = at["in_plane_drive_y"] - at["acceleration_y"]
+    limit = at["friction"] * at["floor_acceleration"]
+    # each component is a difference of two values of the size of the drive
+    slack = 8 * EPS * at["drive"]
+    assert np.all(np.hypot(friction_x, friction_y) <= limit + slack)
+    work = friction_x * at["acceleration_x"] + friction_y * at["acceleration_y"]
+    assert np.all(work >= -slack * at["drive"])
+    # Turned axes keep the length; a mirrored drive mirrors the motion.
+    length = np.hypot(at["acceleration_x"], at["acceleration_y"])
+    turned = np.hypot(at["rotated_acceleration_x"], at["rotated_acceleration_y"])
+    np.testing.assert_allclose(turned, length, rtol=8 * EPS, atol=1e-300)
+    mirror = {"alpha": -PLANE["alpha"], "yaw": -PLANE["yaw"]}
+    other = evaluate(scene, "physical", [*ACCELERATIONS, *ROTATED], PLANE, **mirror)
+    np.testing.assert_array_equal(other["regime"], at["regime"])
+    for name in (*ACCELERATIONS, *ROTATED):
+        way = -1 if name.endswith("_y") else 1
+        np.testing.assert_array_equal(other[name], way * at[name])
+
+
+@pytest.mark.parametrize(
+    ("scene", "points"),
+    [("rectangle-on-plane", PLANE), ("cylinder-on-plane", PLANE), ("rectangle-on-track", TRACK)],
+)
+@pytest.mark.parametrize("variant", ["thesis", "derived", "physical"])
+def test_four_times_the_amplitude_at_half_the_frequency_is_the_same_snapshot(
+    scene, variant, points
+):
+    outputs = [*ACCELERATIONS, "throw_number"]
+    points = {k: v for k, v in points.items() if k not in ("yaw", "distance")}
+    one = evaluate(scene, variant, outputs, points)
+    other = evaluate(
+        scene, variant, outputs, points,
+        amplitude=4 * points["amplitude"], frequency=points["frequency"] / 2,
+    )  # fmt: skip
+    for name in (*outputs, "regime"):
+        np.testing.assert_array_equal(other[name], one[name])
+
+
+@SCENES
+def test_flight_begins_at_throw_number_one(scene):
+    at = evaluate(scene, "physical", [*ACCELERATIONS, *ROTATED, "throw_number"], PLANE)
+    clear = np.abs(at["throw_number"] - 1) > 4 * EPS
+    np.testing.assert_array_equal((at["throw_number"] > 1)[clear], where(at, "flight")[clear])
+    flies = where(at, "flight")
+    np.testing.assert_array_equal(at["acceleration_x"][flies], at["in_plane_drive_x"][flies])
+    assert np.all(at["acceleration_z"][flies] >= 0)
+    assert np.all(at["acceleration_z"][~flies] == 0)
+
+
+def test_without_sideways_drive_block_cylinder_and_print_agree_while_sliding_forward():
+    straight = {**PLANE, "alpha": np.zeros(POINTS)}
+    block = evaluate("rectangle-on-plane", "physical", [*ACCELERATIONS, *ROTATED], straight)
+    cylinder = evaluate("cylinder-on-plane", "physical", [*ACCELERATIONS, *ROTATED], straight)
+    printed = evaluate("rectangle-on-plane", "thesis", [*ACCELERATIONS, *ROTATED], straight)
+    forward = where(block, "slip") & (block["in_plane_drive_x"] > 0)
+    assert forward.sum() > 250
+    # near the friction limit the difference of drive and friction loses digits
+    slack = 8 * EPS * block["drive"]
+    assert np.all(np.abs(cylinder["acceleration_x"] - block["acceleration_x"]) <= slack)
+    error = np.abs(printed["acceleration_x"] - block["acceleration_x"])[forward]
+    assert np.all(error <= slack[forward])
+
+
+def test_a_cylinder_meets_its_balance_of_slip():
+    outputs = [*ACCELERATIONS, "angular_acceleration"]
+    points = {k: v for k, v in PLANE.items() if k != "yaw"}
+    at = evaluate("cylinder-on-plane", "physical", outputs, points, diameter=np.full(POINTS, 0.008))
+    slips = where(at, "slip")
+    q = at["friction"] * at["floor_acceleration"]
+    # Slip acceleration of the contact point, from the motion; friction points against it.
+    slip_x = at["acceleration_x"]
+    slip_y = at["acceleration_y"] - 0.004 * at["angular_acceleration"]
+    friction_x = at["in_plane_drive_x"] - at["acceleration_x"]
+    friction_y = at["in_plane_drive_y"] - at["acceleration_y"]
+    size = at["drive"]
+    assert np.all(np.abs(np.hypot(friction_x, friction_y) - q)[slips] <= 8 * EPS * size[slips])
+    across = friction_x * slip_y - friction_y * slip_x
+    assert np.all(np.abs(across)[slips] <= 16 * EPS * (size * size)[slips])
+    rolls = where(at, "roll")
+    assert rolls.sum() > 250
+    assert np.all(np.abs(slip_y)[rolls] <= 4 * EPS * size[rolls])
+    # Moment about the axis: friction at the rim is all that turns it, I = m r^2/2.
+    np.testing.assert_allclose(
+        0.5 * 0.004 * at["angular_acceleration"][slips | rolls], friction_y[slips | rolls],
+        rtol=0, atol=8 * EPS * size.max(),
+    )  # fmt: skip
+
+
+def test_speed_after_a_distance_and_after_the_time_for_it_agree(monkeypatch):
+    outputs = ["transport_velocity", "travel_time"]
+    at = evaluate("rectangle-on-track", "derived", outputs, TRACK)
+    monkeypatch.setattr(travel, "SHORT_WAY", -1.0)  # short ways take times by one law with long
+    long = evaluate("rectangle-on-track", "derived", outputs, TRACK)
+    np.testing.assert_allclose(at["travel_time"], long["travel_time"], rtol=1e-11)
+    arrives = np.isfinite(at["travel_time"])
+    assert arrives.sum() > 250
+    points = {k: v for k, v in TRACK.items() if k != "distance"}
+    time = np.where(arrives, at["travel_time"], 0.0)
+    outputs = ["velocity_at_time", "distance_at_time"]
+    then = evaluate("rectangle-on-track", "derived", outputs, points, time=time)
+    # Errors of time reach distance through speed, and speed through K t: within a few ulp of the
+    # larger of what is added.
+    K = np.abs(at["starting_acceleration"])
+    scale = np.maximum(at["distance"], K * time * time)
+    off = np.abs(then["distance_at_time"] - at["distance"])
+    assert np.all(off[arrives] <= 64 * EPS * scale[arrives])
+    gained = np.maximum(K * time, at["speed"])
+    error = np.abs(then["velocity_at_time"] - at["transport_velocity"])
+    # Just before a stop the speed falls with the root of the distance left.
+    clear = arrives & (at["transport_velocity"] > 1e-3 * gained)
+    assert np.all(error[clear] <= 1e4 * EPS * gained[clear])
+
+
+def test_friction_to_zero_is_a_plain_limit():
+    points = {k: v for k, v in TRACK.items() if k not in ("speed", "friction")}
+    outputs = ["transport_velocity", "travel_time"]
+    zero, tiny = (
+        evaluate("rectangle-on-track", "derived", outputs, points, friction=np.full(POINTS, mu))
+        for mu in (0.0, 1e-300)
+    )
+    starts = np.maximum(zero["starting_acceleration"], 0.0)
+    free = np.sqrt(2 * starts) * np.sqrt(points["distance"])
+    np.testing.assert_allclose(zero["transport_velocity"], free, rtol=4 * EPS)
+    for name in outputs:
+        np.testing.assert_allclose(tiny[name], zero[name], rtol=4 * EPS)
+
+
+def test_corrected_and_printed_lean_differ_by_what_the_theory_says():
+    points = {k: v for k, v in TRACK.items() if k not in ("speed", "distance", "radius")}
+    printed = evaluate("rectangle-on-track", "thesis", ["starting_acceleration"], points)
+    derived = evaluate("rectangle-on-track", "derived", ["starting_acceleration"], points)
+    expected = 2 * points["friction"] * 9.8 * np.cos(points["gamma"]) * np.sin(points["delta"])
+    difference = printed["starting_acceleration"] - derived["starting_acceleration"]
+    size = np.abs(derived["vibration_acceleration"]) + 9.8
+    assert np.all(np.abs(difference - expected) <= 8 * EPS * size * (1 + points["friction"]))
+
+
+@pytest.mark.parametrize("variant", ["thesis", "derived", "physical"])
+def test_wall_corners_share_the_wall_force(variant):
+    points = {k: v for k, v in TRACK.items() if k not in ("distance", "speed")}
+    part = {"width": 0.004, "length": 0.03, "mass": 0.01}
+    part |= {} if variant == "physical" else {"height": 0.005}
+    points |= {name: np.full(POINTS, value) for name, value in part.items()}
+    outputs = ["wall_force", "wall_force_rear", "wall_force_front"]
+    at = evaluate("rectangle-on-track", variant, outputs, points)
+    total = (at["wall_force_rear"] + at["wall_force_front"]) * at["chord_cosine"]
+    size = np.abs(at["wall_force_rear"]) + np.abs(at["wall_force_front"])
+    assert np.all(np.abs(total - at["wall_force"]) <= 8 * EPS * size)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_wall_contact_begins_at_the_wall_speed(way):
+    points = {k: v for k, v in TRACK.items() if k not in ("distance", "speed", "friction")}
+    speed = evaluate("rectangle-on-track", "physical", ["wall_speed"], points)["wall_speed"]
+    near = {"speed": speed * (1 + way * 1e-6)}
+    then = evaluate("rectangle-on-track", "physical", ["wall_balance"], points, **near)
+    assert np.all(np.sign(then["wall_balance"])[speed > 0] == way)
