@@ -323,16 +323,20 @@ def _with_waves(kernel: Callable[..., Any], groups: NDArray[np.float64], *found:
     kernel(groups, waves_of(groups), *found)
 
 
-def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+def path_of(asked: TrajectoryRequest, contacts: Contacts) -> tuple[Path, NDArray[np.int8]]:
+    """Return positions and modes of one part at the asked times, in the plane or in space."""
     settings: dict[str, Any] = {"phases": asked.times()[1], "watch": asked.watch}
     for name in ("tolerance", "max_periods"):
         settings[name] = np.asarray(asked.arguments[name]).item()
     if in_plane(asked.groups, contacts):
-        path, modes = planar_path(asked.groups, **settings)
-    else:
-        path, modes = spatial_path(asked.groups, contacts, **settings)
-        path.position[:, 0] -= path.position[0, 0]
-    return asked.trajectory(path, modes, contacts.wall)
+        return planar_path(asked.groups, **settings)
+    path, modes = spatial_path(asked.groups, contacts, **settings)
+    path.position[:, 0] -= path.position[0, 0]
+    return path, modes
+
+
+def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+    return asked.trajectory(*path_of(asked, contacts), contacts.wall)
 
 
 EVENTS = Method(

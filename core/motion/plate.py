@@ -1,0 +1,181 @@
+"""A part on a plate without a wall, which travels in any direction (theory 13.13).
+
+Friction is isotropic: a drive that is turned turns the motion. A drive along a line, with the slope
+along the same line, is followed in the plane of that line and the normal, in closed form.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import wraps
+from typing import Any
+
+import numpy as np
+
+from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, sine
+from vibrafeed.core.motion import events, reference
+from vibrafeed.core.motion.feeding import RESOLVED
+from vibrafeed.core.motion.method import (
+    Contacts,
+    Follow,
+    Groups,
+    Method,
+    Motion,
+    Trajectory,
+    TrajectoryRequest,
+    displacement,
+)
+from vibrafeed.core.motion.scales import product
+from vibrafeed.core.motion.waves import ACROSS, ALONG, Wave, bound
+from vibrafeed.core.scenes.scene import Equation
+
+PLATE = "part-on-plate"
+ON_A_LINE = 1e-14
+"""Distance of a push from a line, over the size of all, up to which it counts as on the line."""
+
+
+# --- axes in which the motion is followed
+
+
+def turned(groups: Groups) -> tuple[Groups, Array]:
+    """Return the groups in turned axes, and the angle by which these are turned [rad].
+
+    Where all pushes are along one line, x is along it and nothing pushes across; else x is along
+    the slope.
+    """
+    pairs = [*_pushes(groups)]
+    squares = sum((x - y) * (x + y) for x, y in pairs)
+    line = 0.5 * np.arctan2(2.0 * sum(x * y for x, y in pairs), squares)
+    size = np.sqrt(sum(x * x + y * y for x, y in pairs))
+    off = [_turn(x, y, line)[1] for x, y in pairs]
+    is_line = np.logical_and.reduce([np.abs(one) <= ON_A_LINE * size for one in off])
+    angle = np.where(is_line, line, np.arctan2(pairs[0][1], pairs[0][0]))
+    return _in_axes(groups, angle, is_line), angle
+
+
+def _pushes(groups: Groups) -> Iterator[tuple[Any, Any]]:
+    # Components along and across of the slope, and of every number of the drive.
+    yield np.asarray(groups.gravity_number_along), np.asarray(groups.gravity_number_across)
+    if groups.wave is None:
+        yield np.asarray(groups.drive_number_along), np.asarray(groups.drive_number_across)
+        return
+    harmonics, steps = groups.wave
+    yield from zip(*harmonics[: ACROSS + 1].reshape(2, -1, *harmonics.shape[3:]), strict=True)
+    yield from zip(steps[ALONG], steps[ACROSS], strict=True)
+
+
+def _turn(x: Any, y: Any, angle: Array) -> tuple[Array, Array]:
+    c, s = cosine(angle), sine(angle)
+    return c * x + s * y, c * y - s * x
+
+
+def _in_axes(groups: Groups, angle: Array, is_line: Mask) -> Groups:
+    slope, _ = _turn(groups.gravity_number_along, groups.gravity_number_across, angle)
+    found = groups._replace(gravity_number_along=slope, gravity_number_across=0.0)
+    if groups.wave is None:
+        along, across = _turn(groups.drive_number_along, groups.drive_number_across, angle)
+        across = np.where(is_line, 0.0, across)
+    else:
+        parts = []
+        for part, axes in zip(groups.wave, (3, 2), strict=True):
+            shape = np.broadcast_shapes(part.shape[axes:], angle.shape)
+            whole = np.array(np.broadcast_to(part, (*part.shape[:axes], *shape)))
+            whole[ALONG], off = _turn(part[ALONG], part[ACROSS], angle)
+            whole[ACROSS] = np.where(is_line, 0.0, off)
+            parts.append(whole)
+        wave = Wave(*parts)
+        found = found._replace(wave=wave)
+        along, across = bound(wave, ALONG), bound(wave, ACROSS)
+    return found._replace(drive_number_along=along, drive_number_across=across)
+
+
+def _on_plate(follow: Follow) -> Follow:
+    @wraps(follow)
+    def followed(*, groups: Groups, **others: Any) -> Any:
+        here, angle = turned(groups)
+        found = follow(groups=here, **others)
+        if not isinstance(found, Motion):
+            return found
+        velocity, across = _turn(found.velocity, found.across, -angle)
+        return found._replace(velocity=velocity, across=across)
+
+    return followed
+
+
+def trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+    """Return the trajectory of one part: its path over the plate, and its height above it."""
+    groups, length = asked.groups, asked.scale("length_scale")
+    here, angle = turned(groups)
+    turned_request = asked._replace(arguments={**asked.arguments, "groups": here})
+    path, modes = events.path_of(turned_request, contacts)
+    for part in (path.position, path.velocity):
+        part[:, 0], part[:, 1] = _turn(part[:, 0], part[:, 1], -angle)
+    path.position[:, :2] -= path.position[0, :2]
+    return {
+        **asked.trajectory(path, modes, wall=False),
+        "position_across": path.position[:, 1] * length,
+        "relative_velocity_across": path.velocity[:, 1] * asked.scale("velocity_scale"),
+        "track_across": displacement(groups, ACROSS, path.phase) * length,
+    }
+
+
+METHODS: dict[str, Method] = {
+    "events": replace(
+        events.EVENTS,
+        follow=_on_plate(events.EVENTS.follow),
+        energy=_on_plate(events.energy_by_events),
+        course=trajectory,
+    ),
+    "reference": replace(reference.REFERENCE, follow=_on_plate(reference.REFERENCE.follow)),
+}
+
+
+# --- results
+
+
+def travel_speed(*, velocity_x: Array, velocity_y: Array) -> Array:
+    """Return the size of the mean velocity, |v| [m s-1]."""
+    return hypot(velocity_x, velocity_y)
+
+
+def travel_direction(
+    *, velocity_x: Array, velocity_y: Array, motion: Motion, drive_number: Array,
+    velocity_scale: Array,
+) -> Array:  # fmt: skip
+    """Return the direction of the mean velocity, from +x towards +y [rad].
+
+    NaN for a part whose speed is no larger than its stated error, or than 1e-9 of the drive's.
+    """
+    error = np.where(np.isnan(motion.error), 0.0, motion.error)
+    least = np.maximum(error, RESOLVED * drive_number) * velocity_scale
+    rests = hypot(velocity_x, velocity_y) <= least
+    return np.where(rests, np.nan, np.arctan2(velocity_y, velocity_x))
+
+
+def velocity_towards(*, velocity_x: Array, velocity_y: Array, target_direction: Array) -> Array:
+    """Return the component of the mean velocity in a direction, v_x cos(chi) + v_y sin(chi) [m s-1]."""
+    return velocity_x * cosine(target_direction) + velocity_y * sine(target_direction)
+
+
+def slip_fraction(*, motion: Motion) -> Array:
+    """Return the share of the period in which the part slides, in whatever direction [1]."""
+    return motion.forward + motion.backward
+
+
+RESULTS = (
+    product(
+        "velocity_x", "motion.velocity", "velocity_scale", source="theory 13.13",
+        says="the mean velocity over the plate along x, over whole cycles [m s-1]",
+    ),
+    product(
+        "velocity_y", "motion.across", "velocity_scale", source="theory 13.13",
+        says="the mean velocity over the plate along y, over whole cycles [m s-1]",
+    ),
+    product(
+        "velocity_error", "motion.error", "velocity_scale", source="theory 13.13",
+        says="the method's own estimate of the error of each component of the velocity [m s-1]",
+    ),
+    Equation("travel_speed", travel_speed, "theory 13.13"),
+    Equation("travel_direction", travel_direction, "theory 13.13"),
+    Equation("velocity_towards", velocity_towards, "theory 13.13"),
+    Equation("slip_fraction", slip_fraction, "theory 13.13"),
+)  # fmt: skip
