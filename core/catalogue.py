@@ -11,8 +11,8 @@ from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from vibrafeed.core.plan.plan import find_scene, scene_parameters
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.drives import DRIVE
-from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.quantities.pictures import INKS, LEVELS, colour_of
+from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.scenes import SCENES, Equation, Scene, instead_of
 from vibrafeed.core.scenes.scene import behind
 from vibrafeed.core.study.shown import SI

@@ -152,7 +152,7 @@ def travel_direction(
 
 
 def velocity_towards(*, velocity_x: Array, velocity_y: Array, target_direction: Array) -> Array:
-    """Return the component of the mean velocity in a direction, v_x cos(chi) + v_y sin(chi) [m s-1]."""
+    """Return the mean velocity in a direction, v_x cos(chi) + v_y sin(chi) [m s-1]."""
     return velocity_x * cosine(target_direction) + velocity_y * sine(target_direction)
 
 
