@@ -10,8 +10,8 @@ from vibrafeed.core.calibrate.calibration import ENSEMBLE, MAX_CANDIDATES, Calib
 from vibrafeed.core.calibrate.model import OUTPUTS, Model, Runs, Unknown
 from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.prepare import choose_system, fix_for_unused_setting
 from vibrafeed.core.motion.plate import PLATE
+from vibrafeed.core.motion.prepare import choose_system, fix_for_unused_setting
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import plan_scene

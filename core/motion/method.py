@@ -103,7 +103,7 @@ class Energy(NamedTuple):
 
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in MOTION_STATUSES.items()}
 
-ANSWERED = ("periodic", "at_rest", "aperiodic", "sensitive", "neutral")
+ANSWERED = ("periodic", "at_rest", "aperiodic", "sensitive", "neutral", "weak_friction")
 """Statuses of cells that have a mean velocity."""
 
 SHARES = ("stick", "forward", "backward", "flight")

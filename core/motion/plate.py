@@ -4,14 +4,13 @@ Friction is isotropic: a drive that is turned turns the motion. A drive along a 
 along the same line, is followed in the plane of that line and the normal, in closed form.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import wraps
 from typing import Any
 
 import numpy as np
 
-from vibrafeed.core.mechanics.arrays import Array, Mask, cosine, hypot, sine
+from vibrafeed.core.mechanics.arrays import Array, cosine, hypot, sine
 from vibrafeed.core.motion import events, reference
 from vibrafeed.core.motion.feeding import RESOLVED
 from vibrafeed.core.motion.method import (
@@ -25,67 +24,11 @@ from vibrafeed.core.motion.method import (
     displacement,
 )
 from vibrafeed.core.motion.scales import product
-from vibrafeed.core.motion.waves import ACROSS, ALONG, Wave, bound
+from vibrafeed.core.motion.turning import turn, turned
+from vibrafeed.core.motion.waves import ACROSS
 from vibrafeed.core.scenes.scene import Equation
 
 PLATE = "part-on-plate"
-ON_A_LINE = 1e-14
-"""Distance of a push from a line, over the size of all, up to which it counts as on the line."""
-
-
-# --- axes in which the motion is followed
-
-
-def turned(groups: Groups) -> tuple[Groups, Array]:
-    """Return the groups in turned axes, and the angle by which these are turned [rad].
-
-    Where all pushes are along one line, x is along it and nothing pushes across; else x is along
-    the slope.
-    """
-    pairs = [*_pushes(groups)]
-    squares = sum((x - y) * (x + y) for x, y in pairs)
-    line = 0.5 * np.arctan2(2.0 * sum(x * y for x, y in pairs), squares)
-    size = np.sqrt(sum(x * x + y * y for x, y in pairs))
-    off = [_turn(x, y, line)[1] for x, y in pairs]
-    is_line = np.logical_and.reduce([np.abs(one) <= ON_A_LINE * size for one in off])
-    angle = np.where(is_line, line, np.arctan2(pairs[0][1], pairs[0][0]))
-    return _in_axes(groups, angle, is_line), angle
-
-
-def _pushes(groups: Groups) -> Iterator[tuple[Any, Any]]:
-    # Components along and across of the slope, and of every number of the drive.
-    yield np.asarray(groups.gravity_number_along), np.asarray(groups.gravity_number_across)
-    if groups.wave is None:
-        yield np.asarray(groups.drive_number_along), np.asarray(groups.drive_number_across)
-        return
-    harmonics, steps = groups.wave
-    yield from zip(*harmonics[: ACROSS + 1].reshape(2, -1, *harmonics.shape[3:]), strict=True)
-    yield from zip(steps[ALONG], steps[ACROSS], strict=True)
-
-
-def _turn(x: Any, y: Any, angle: Array) -> tuple[Array, Array]:
-    c, s = cosine(angle), sine(angle)
-    return c * x + s * y, c * y - s * x
-
-
-def _in_axes(groups: Groups, angle: Array, is_line: Mask) -> Groups:
-    slope, _ = _turn(groups.gravity_number_along, groups.gravity_number_across, angle)
-    found = groups._replace(gravity_number_along=slope, gravity_number_across=0.0)
-    if groups.wave is None:
-        along, across = _turn(groups.drive_number_along, groups.drive_number_across, angle)
-        across = np.where(is_line, 0.0, across)
-    else:
-        parts = []
-        for part, axes in zip(groups.wave, (3, 2), strict=True):
-            shape = np.broadcast_shapes(part.shape[axes:], angle.shape)
-            whole = np.array(np.broadcast_to(part, (*part.shape[:axes], *shape)))
-            whole[ALONG], off = _turn(part[ALONG], part[ACROSS], angle)
-            whole[ACROSS] = np.where(is_line, 0.0, off)
-            parts.append(whole)
-        wave = Wave(*parts)
-        found = found._replace(wave=wave)
-        along, across = bound(wave, ALONG), bound(wave, ACROSS)
-    return found._replace(drive_number_along=along, drive_number_across=across)
 
 
 def _on_plate(follow: Follow) -> Follow:
@@ -95,7 +38,7 @@ def _on_plate(follow: Follow) -> Follow:
         found = follow(groups=here, **others)
         if not isinstance(found, Motion):
             return found
-        velocity, across = _turn(found.velocity, found.across, -angle)
+        velocity, across = turn(found.velocity, found.across, -angle)
         return found._replace(velocity=velocity, across=across)
 
     return followed
@@ -108,7 +51,7 @@ def trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
     turned_request = asked._replace(arguments={**asked.arguments, "groups": here})
     path, modes = events.path_of(turned_request, contacts)
     for part in (path.position, path.velocity):
-        part[:, 0], part[:, 1] = _turn(part[:, 0], part[:, 1], -angle)
+        part[:, 0], part[:, 1] = turn(part[:, 0], part[:, 1], -angle)
     path.position[:, :2] -= path.position[0, :2]
     return {
         **asked.trajectory(path, modes, wall=False),

@@ -4,6 +4,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
+from vibrafeed.core.dataset.table import quantity_attributes
 from vibrafeed.core.plots.parts import (
     add_colour_bar,
     finish,
@@ -15,7 +16,6 @@ from vibrafeed.core.plots.parts import (
 from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.selection import Selection, check_result, select
 from vibrafeed.core.plots.style import Array, Options, number, short_label
-from vibrafeed.core.quantities import QUANTITIES
 
 COMPONENTS = ("velocity_x", "velocity_y")
 PLACES = ("position_x", "position_y")
@@ -47,7 +47,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
             "Ask for both in the outputs of the study",
         )
     x, y = xarray.broadcast(*(dataset[name] for name in COMPONENTS))
-    attributes = {**dataset[COMPONENTS[0]].attrs, "long_name": QUANTITIES["travel_speed"].label}
+    attributes = quantity_attributes("travel_speed")
     fields = dataset.assign(
         velocity_x=x.assign_attrs(dataset[COMPONENTS[0]].attrs),
         velocity_y=y.assign_attrs(dataset[COMPONENTS[1]].attrs),
@@ -74,13 +74,13 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         )  # fmt: skip
         add_colour_bar(panel, arrows, scale, short_label(speed.variable, speed.unit), style)
         panel.margins(0.08)
-    note = ""
+    facts = list(speed.fixed)
     if {axis.name for axis in speed.axes} == set(PLACES):
         panel.set_aspect("equal")
-        note = _spreads(components)
+        facts = [*_spreads(components), *facts]
     return finish(
         figure, panel, style, name=options.title or "Velocity over the plate",
-        facts=list(speed.fixed), source=source_of(dataset), entries=[], note=note,
+        facts=facts, source=source_of(dataset), entries=[],
     )  # fmt: skip
 
 
@@ -93,9 +93,6 @@ def divergence(components: list[Selection]) -> Array:
     return np.asarray(total)
 
 
-def _spreads(components: list[Selection]) -> str:
-    if min(components[0].variable.shape) < 2:
-        return ""
+def _spreads(components: list[Selection]) -> list[str]:
     mean = float(np.nanmean(divergence(components)))
-    what = "spreads" if mean > 0 else "centres"
-    return f"The field {what} parts: its divergence is {number(mean, 2)} 1/s on average"
+    return [f"{'spreads' if mean > 0 else 'centres'} parts: divergence {number(mean, 2)} 1/s"]
