@@ -9,7 +9,6 @@ the weighted median. dv is the change of the velocity by these forces within the
 that do not settle within the periods that they are followed for have this velocity.
 """
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -90,7 +89,7 @@ def limit_of(part: Groups, contacts: Contacts) -> Limit | None:
     if contacts.wall and not is_held and across <= 0.0:
         return None
     error = float(np.abs(velocity - before).max()) + swing**2 / cell.size
-    back, _ = turn(*(cell.middle - velocity[:, np.newaxis] - moved), -angle)
+    back, _ = turn(*(cell.track[:, 1:] - velocity[:, np.newaxis] - moved), -angle)
     return Limit(along, across, error, float(cell.share[back < 0.0].sum()))
 
 
@@ -124,47 +123,50 @@ class _Averaged(NamedTuple):
             float(waves.size(wave)),
         )
 
-    @property
-    def middle(self) -> Array:
-        return 0.5 * (self.track[:, 1:] + self.track[:, :-1])
-
     def force(self, velocity: Array, moved: Array) -> Array:
         """Return friction less slope in each interval, at a velocity and what it moves by."""
-        relative = self.middle - velocity[:, np.newaxis] - moved
-        slope = np.array([[self.slope], [0.0]]) * self.share
-        if self.track[1].any():
-            return self.pull * relative / _size(relative) - slope
-        # On a line the track's velocity is straight in each interval.
         friction, lean, curvature = self.wall
         pull = self.pull + self.share * friction * (lean + curvature * velocity[0] ** 2)
-        width = np.abs(np.diff(self.track)) + TINY
-        return pull * np.clip(2.0 * relative / width, -1.0, 1.0) - slope
+        slope = np.array([[self.slope], [0.0]]) * self.share
+        ends = self.track - velocity[:, np.newaxis]
+        return pull * _mean_direction(ends[:, :-1] - moved, ends[:, 1:] - moved) - slope
 
     def balance(self, moved: Array) -> Array:
         """Return the velocity at which all forces of a period are in balance; NaN without any."""
+
+        def total(velocity: Array) -> Array:
+            return np.asarray(self.force(velocity, moved).sum(axis=1))
+
         if self.track[1].any():
-            start = (self.middle * self.pull).sum(axis=1) / self.pull.sum()
-            found = root(
-                lambda v: self.force(v, moved).sum(axis=1), start,
-                jac=partial(self._slopes, moved=moved), tol=1e-13,
-            )  # fmt: skip
-            left = self.force(found.x, moved).sum(axis=1)
-            is_balanced = np.abs(left).max() <= BALANCED * self.pull.sum()
+            middle = 0.5 * (self.track[:, 1:] + self.track[:, :-1])
+            found = root(total, (middle * self.pull).sum(axis=1) / self.pull.sum(), tol=1e-13)
+            is_balanced = np.abs(found.fun).max() <= BALANCED * self.pull.sum()
             return np.where(is_balanced, found.x, np.nan)
 
-        def total(velocity: float) -> float:
-            return float(self.force(np.array([velocity, 0.0]), moved)[0].sum())
+        def on_line(velocity: float) -> float:
+            return float(total(np.array([velocity, 0.0]))[0])
 
         low, high = float(self.track.min()), float(self.track.max())
-        if not total(low) > 0.0 > total(high):
+        if not on_line(low) > 0.0 > on_line(high):
             return np.full(2, np.nan)
-        return np.array([brentq(total, low, high, xtol=1e-15 * max(high, -low)), 0.0])
+        return np.array([brentq(on_line, low, high, xtol=1e-15 * max(high, -low)), 0.0])
 
-    def _slopes(self, velocity: Array, moved: Array) -> Array:
-        relative = self.middle - velocity[:, np.newaxis] - moved
-        distance = _size(relative)
-        weight, way = self.pull / distance, relative / distance
-        return np.asarray((weight * way) @ way.T - weight.sum() * np.eye(2))
+
+def _mean_direction(start: Array, end: Array) -> Array:
+    """Return the mean of r/|r| over straight ways from `start` to `end`, shape (2, intervals).
+
+    With the unit vector d along a way, r = s d + h: the mean of s/|r| is (s1 + s0)/(|r1| + |r0|),
+    that of h/|r| is h (asinh(s1/h) - asinh(s0/h))/(s1 - s0).
+    """
+    way = end - start
+    length = _size(way)
+    d = way / length
+    s0, s1 = (d * start).sum(axis=0), (d * end).sum(axis=0)
+    along = (s1 + s0) / (_size(start) + _size(end))
+    offset = start - s0 * d
+    h = _size(offset)
+    off = (np.arcsinh(s1 / h) - np.arcsinh(s0 / h)) / length
+    return np.asarray(along * d + off * offset)
 
 
 def _size(vectors: Array) -> Array:
