@@ -57,12 +57,11 @@ def _in_axes(groups: Groups, angle: Array, is_line: Mask) -> Groups:
         across = np.where(is_line, 0.0, across)
     else:
         parts = []
-        for part, axes in zip(groups.wave, (3, 2), strict=True):
-            shape = np.broadcast_shapes(part.shape[axes:], angle.shape)
-            whole = np.array(np.broadcast_to(part, (*part.shape[:axes], *shape)))
-            whole[ALONG], off = turn(part[ALONG], part[ACROSS], angle)
-            whole[ACROSS] = np.where(is_line, 0.0, off)
-            parts.append(whole)
+        for part, own in zip(groups.wave, (3, 2), strict=True):
+            missing = (1,) * (angle.ndim + own - part.ndim)
+            x, y, *others = part.reshape(*part.shape[:own], *missing, *part.shape[own:])
+            x, y = turn(x, y, angle)
+            parts.append(np.stack(np.broadcast_arrays(x, np.where(is_line, 0.0, y), *others)))
         wave = Wave(*parts)
         found = found._replace(wave=wave)
         along, across = bound(wave, ALONG), bound(wave, ACROSS)

@@ -12,7 +12,7 @@ that do not settle within the periods that they are followed for have this veloc
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, root
+import scipy
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import waves
@@ -139,7 +139,9 @@ class _Averaged(NamedTuple):
 
         if self.track[1].any():
             middle = 0.5 * (self.track[:, 1:] + self.track[:, :-1])
-            found = root(total, (middle * self.pull).sum(axis=1) / self.pull.sum(), tol=1e-13)
+            found = scipy.optimize.root(
+                total, (middle * self.pull).sum(axis=1) / self.pull.sum(), tol=1e-13
+            )
             is_balanced = np.abs(found.fun).max() <= BALANCED * self.pull.sum()
             return np.where(is_balanced, found.x, np.nan)
 
@@ -149,7 +151,9 @@ class _Averaged(NamedTuple):
         low, high = float(self.track.min()), float(self.track.max())
         if not on_line(low) > 0.0 > on_line(high):
             return np.full(2, np.nan)
-        return np.array([brentq(on_line, low, high, xtol=1e-15 * max(high, -low)), 0.0])
+        return np.array(
+            [scipy.optimize.brentq(on_line, low, high, xtol=1e-15 * max(high, -low)), 0.0]
+        )
 
 
 def _mean_direction(start: Array, end: Array) -> Array:
