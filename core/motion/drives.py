@@ -69,8 +69,8 @@ class Harmonics:
     @property
     def arms(self) -> dict[str, float]:
         """The coordinates of the place on a plate that turns, by default its origin [m]."""
-        turns = [arm for axis, _ in self.terms for arm in ARMS.get(axis, ())]
-        return {position: 0.0 for _, position, _ in turns}
+        turns = any(axis in ARMS for axis, _ in self.terms)
+        return {"position_x": 0.0, "position_y": 0.0} if turns else {}
 
     @property
     def defaults(self) -> dict[str, float]:

@@ -35,11 +35,11 @@ def _on_plate(follow: Follow) -> Follow:
     @wraps(follow)
     def followed(*, groups: Groups, **others: Any) -> Any:
         here, angle = turned(groups)
-        found = follow(groups=here, **others)
-        if not isinstance(found, Motion):
-            return found
-        velocity, across = turn(found.velocity, found.across, -angle)
-        return found._replace(velocity=velocity, across=across)
+        result = follow(groups=here, **others)
+        if not isinstance(result, Motion):  # energy is the same in all axes
+            return result
+        velocity, across = turn(result.velocity, result.across, -angle)
+        return result._replace(velocity=velocity, across=across)
 
     return followed
 

@@ -51,18 +51,18 @@ def turn(x: Any, y: Any, angle: Array) -> tuple[Array, Array]:
 
 def _in_axes(groups: Groups, angle: Array, is_line: Mask) -> Groups:
     slope, _ = turn(groups.gravity_number_along, groups.gravity_number_across, angle)
-    found = groups._replace(gravity_number_along=slope, gravity_number_across=0.0)
+    part = groups._replace(gravity_number_along=slope, gravity_number_across=0.0)
     if groups.wave is None:
         along, across = turn(groups.drive_number_along, groups.drive_number_across, angle)
         across = np.where(is_line, 0.0, across)
     else:
-        parts = []
-        for part, own in zip(groups.wave, (3, 2), strict=True):
-            missing = (1,) * (angle.ndim + own - part.ndim)
-            x, y, *others = part.reshape(*part.shape[:own], *missing, *part.shape[own:])
+        fields = []
+        for field, own in zip(groups.wave, (3, 2), strict=True):
+            missing = (1,) * (angle.ndim + own - field.ndim)
+            x, y, *others = field.reshape(*field.shape[:own], *missing, *field.shape[own:])
             x, y = turn(x, y, angle)
-            parts.append(np.stack(np.broadcast_arrays(x, np.where(is_line, 0.0, y), *others)))
-        wave = Wave(*parts)
-        found = found._replace(wave=wave)
+            fields.append(np.stack(np.broadcast_arrays(x, np.where(is_line, 0.0, y), *others)))
+        wave = Wave(*fields)
+        part = part._replace(wave=wave)
         along, across = bound(wave, ALONG), bound(wave, ACROSS)
-    return found._replace(drive_number_along=along, drive_number_across=across)
+    return part._replace(drive_number_along=along, drive_number_across=across)

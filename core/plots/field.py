@@ -1,4 +1,4 @@
-"""Where a plate carries parts: an arrow for each cell over two axes, its colour the speed."""
+"""The velocity over a plate: an arrow for each cell over two axes, its colour the speed."""
 
 import numpy as np
 import xarray
@@ -18,14 +18,14 @@ from vibrafeed.core.plots.selection import Selection, check_result, select
 from vibrafeed.core.plots.style import Array, Options, number, short_label
 
 COMPONENTS = ("velocity_x", "velocity_y")
-PLACES = ("position_x", "position_y")
+POSITIONS = ("position_x", "position_y")
 MOST = 25
 """Arrows along an axis."""
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
     """True if a dataset has the velocity of a plate over its places, and no output is asked for."""
-    return options.variable is None and set(PLACES) <= set(dataset.dims)
+    return options.variable is None and set(POSITIONS) <= set(dataset.dims)
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
@@ -54,8 +54,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         travel_speed=np.hypot(x, y).assign_attrs(attributes),
     )
     axes = options.axes
-    if axes is None and set(PLACES) <= set(x.dims):
-        axes = PLACES
+    if axes is None and set(POSITIONS) <= set(x.dims):
+        axes = POSITIONS
     speed, *components = (
         select(fields, name, axes, options.at, "field", options.units, nearest=options.nearest)
         for name in ("travel_speed", *COMPONENTS)
@@ -75,7 +75,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         add_colour_bar(panel, arrows, scale, short_label(speed.variable, speed.unit), style)
         panel.margins(0.08)
     facts = list(speed.fixed)
-    if {axis.name for axis in speed.axes} == set(PLACES):
+    if {axis.name for axis in speed.axes} == set(POSITIONS):
         panel.set_aspect("equal")
         facts = [*_spreads(components), *facts]
     return finish(
@@ -87,7 +87,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 def divergence(components: list[Selection]) -> Array:
     """Return dv_x/dX + dv_y/dY of a field over the places of a plate [s-1]."""
     total = np.zeros(())
-    for place, one in zip(PLACES, components, strict=True):
+    for place, one in zip(POSITIONS, components, strict=True):
         axis = one.variable.get_axis_num(place)
         total = total + np.gradient(one.variable.values, one.variable[place].values, axis=axis)
     return np.asarray(total)

@@ -131,7 +131,7 @@ PICTURES = {
                 lambda dataset: is_pair(dataset) and _is_single(dataset)),
         Picture("aspects", "how a part from a file lies", "aspects", (),
                 lambda dataset: "part" in dataset.attrs),
-        Picture("field", "where a plate carries parts: arrows over two parameters", "field",
+        Picture("field", "the velocity over a plate, as arrows in colours of its size", "field",
                 ("axes", "at"),
                 lambda dataset: {"velocity_x", "velocity_y"} <= {*dataset.data_vars}),
         Picture("line", "an output over one parameter, or a family of lines", "line"),

@@ -95,7 +95,7 @@ AT = {
     "sweep": {"amplitude": 0.00005}, "impact": {"friction": 0.3},
     "optimum": {"amplitude": 0.0001}, "front": {"amplitude": 0.00005}, "uncertain": {"gamma": 0},
     "row": {"friction": 0.3}, "course": {"friction": 0.3}, "calibration": {"frequency": 50},
-    "part": {"aspect": 2}, "plate": {"friction": 0.3},
+    "part": {"aspect": 2}, "plate": {"friction": 0.2},
 }  # fmt: skip
 OPTIONS: Mapping[str, Any] = {
     "variable": {"variable": "throw_number"},
