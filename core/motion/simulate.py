@@ -166,8 +166,8 @@ def compare(
     scene = plan.scene
     has = scene.outputs(method)
     outputs = [name for name in got if name in has and QUANTITIES[name].compared]
-    stated = dict.fromkeys([*VELOCITIES, *VELOCITIES.values(), "motion_status"])
-    judging = [name for name in stated if name in has]
+    names = dict.fromkeys([*VELOCITIES, *VELOCITIES.values(), "motion_status"])
+    judging = [name for name in names if name in has]
     count = next(iter(got.values())).size
     theirs = _follow_cells(scene, method, (*outputs, *judging, *SPEED), cells, count, watch)
     ours = got

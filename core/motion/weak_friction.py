@@ -85,11 +85,12 @@ def limit_of(part: Groups, contacts: Contacts) -> Limit | None:
     swing = float(np.hypot(*np.ptp(moved, axis=1)))
     if not swing <= WEAK * cell.size:
         return None
-    along, across = (float(one) for one in turn(*velocity, -angle))
+    along, across = map(float, turn(velocity[0], velocity[1], -angle))
     if contacts.wall and not is_held and across <= 0.0:
         return None
     error = float(np.abs(velocity - before).max()) + swing**2 / cell.size
-    back, _ = turn(*(cell.track[:, 1:] - velocity[:, np.newaxis] - moved), -angle)
+    relative = cell.track[:, 1:] - velocity[:, np.newaxis] - moved
+    back, _ = turn(relative[0], relative[1], -angle)
     return Limit(along, across, error, float(cell.share[back < 0.0].sum()))
 
 

@@ -51,7 +51,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     fields = dataset.assign(
         velocity_x=x.assign_attrs(dataset[COMPONENTS[0]].attrs),
         velocity_y=y.assign_attrs(dataset[COMPONENTS[1]].attrs),
-        travel_speed=np.hypot(x, y).assign_attrs(attributes),
+        travel_speed=x.copy(data=np.hypot(x.values, y.values)).assign_attrs(attributes),
     )
     axes = options.axes
     if axes is None and set(POSITIONS) <= set(x.dims):

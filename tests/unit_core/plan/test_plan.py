@@ -23,6 +23,7 @@ from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.quantities import FAMILIES, QUANTITIES, REGIMES, WORDS
 from vibrafeed.core.quantities.drives import DRIVE as NUMBERS_OF_DRIVES
+from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.quantities.drives import MAX_STRETCHES
 from vibrafeed.core.quantities.row import MAX_NUMBERED
 from vibrafeed.core.quantities.row import NUMBERS as OF_PARTS
@@ -405,12 +406,14 @@ class TestScenes:
         used |= {name for alias in ALIASES for name in alias.inputs}
         used |= {f"{stem}_{n + 1}" for stem in OF_PARTS for n in range(MAX_NUMBERED)}
         for kind in ("amplitude", "acceleration"):
-            shape, _ = shape_of(name for name in NUMBERS_OF_DRIVES if name.startswith(kind))
+            numbers = (*NUMBERS_OF_DRIVES, *TURNS)
+            shape, _ = shape_of(name for name in numbers if name.startswith(kind))
             used |= {*shape.inputs, "wave"}
         configs = Path(__file__).parents[3] / "configs"
         used |= {f"part_position_{n + 1}" for n in range(4, MAX_NUMBERED)}  # of longer rows
         for study in ("trajectory.toml", "tumbling-course.toml", "track-course.toml", "row.toml"):
             used |= set(run_study(load_study(configs / study)).variables)
+        used |= {"position_across", "relative_velocity_across", "track_across"}  # of a plate
         front = run_study(load_study(configs / "optimise-pareto.toml"))
         used |= {*front.variables}
         used |= set(run_study(load_study(configs / "optimise-velocity.toml")).variables)
