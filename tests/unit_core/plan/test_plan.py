@@ -23,8 +23,8 @@ from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.quantities import FAMILIES, QUANTITIES, REGIMES, WORDS
 from vibrafeed.core.quantities.drives import DRIVE as NUMBERS_OF_DRIVES
-from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.quantities.drives import MAX_STRETCHES
+from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.quantities.row import MAX_NUMBERED
 from vibrafeed.core.quantities.row import NUMBERS as OF_PARTS
 from vibrafeed.core.scenes import ALIASES, SCENES, Condition, Equation
