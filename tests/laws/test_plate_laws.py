@@ -1,11 +1,11 @@
-"""Random drives of a plate: both components of the velocity beside the reference."""
+"""Random drives of a plate: beside the reference, and weak friction beside the settled motion."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from night import count
-from vibrafeed.core.motion.method import Contacts, Groups
+from vibrafeed.core.motion.method import STATUS, Contacts, Groups
 from vibrafeed.core.motion.plate import METHODS
 from vibrafeed.core.motion.waves import Wave, bound
 
@@ -43,3 +43,18 @@ def test_random_drives_beside_the_reference():
     assert np.isfinite(stated).all()
     for name in ("velocity", "across"):
         assert (np.abs(getattr(ours, name) - getattr(theirs, name)) <= stated).all(), name
+
+
+def test_the_velocity_of_weak_friction_is_that_of_the_settled_motion():
+    friction = 10.0 ** np.random.default_rng(5).uniform(-3.3, -1.5, 10 * CELLS)
+    groups = drives(10 * CELLS)._replace(
+        friction_static=friction, friction_kinetic=friction, restitution=0.0,
+        gravity_number_along=0.4 * friction, gravity_number_across=0.0,
+    )  # fmt: skip
+    follow = METHODS["events"].follow
+    given = {"groups": groups, "contacts": Contacts(), "tolerance": 1e-12}
+    soon, late = (follow(**given, max_periods=np.asarray(most)) for most in (4.0, 5000.0))
+    both = (soon.status == STATUS["weak_friction"]) & (late.status == STATUS["periodic"])
+    assert both.sum() >= 3 * CELLS
+    apart = np.hypot(soon.velocity - late.velocity, soon.across - late.across)
+    assert (apart <= soon.error + late.error)[both].all()

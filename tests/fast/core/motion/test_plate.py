@@ -180,6 +180,7 @@ def test_a_band_of_friction_has_the_ends_of_both_components():
     ("scene", "more"),
     [
         ("rectangle-on-plane", {"alpha": 20}),
+        ("rectangle-on-plane", {"alpha": 20, "gamma": 0.02}),
         ("rectangle-on-track", {"alpha": 20}),
         ("rectangle-on-track", {"radius": "0.2 m"}),
         ("rectangle-on-track", {"delta": 2}),
