@@ -25,7 +25,7 @@ ROUNDS = 3
 """Times that the change of the velocity within a period is computed; each gains its size."""
 BALANCED = 1e-9
 """Of all friction: what the sum of the forces may leave."""
-ASIDE = np.array([0.006, -0.008])
+OFFSET = np.array([0.006, -0.008])
 """Of the drive's speed: where the search begins, as no slopes are known on a straight track."""
 TINY = 1e-300  # against a division by 0
 WEAK = 0.05
@@ -142,7 +142,7 @@ class _Averaged(NamedTuple):
 
         if self.track[1].any():
             middle = 0.5 * (self.track[:, 1:] + self.track[:, :-1])
-            start = (middle * self.pull).sum(axis=1) / self.pull.sum() + ASIDE * self.size
+            start = (middle * self.pull).sum(axis=1) / self.pull.sum() + OFFSET * self.size
             found = scipy.optimize.root(total, start, tol=1e-13)
             is_balanced = np.abs(found.fun).max() <= BALANCED * self.pull.sum()
             return np.where(is_balanced, found.x, np.nan)
