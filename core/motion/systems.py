@@ -304,8 +304,8 @@ def _on_plate() -> Scene:
         name=plate.PLATE,
         title="Motion in time of a part on a plate without a wall",
         source="theory 13",
-        validity=VALIDITY + " The plate has no edge. Its turns are small; at its place the part "
-        "feels their displacement, and no change of place in a period.",
+        validity=VALIDITY + " The plate has no edge. Its turns are small, and the part feels the "
+        "displacement of the place that it is given.",
         variants={name: equations(method) for name, method in plate.METHODS.items()},
         default_variant="events",
         conditions=dict.fromkeys(plate.METHODS, conditions),
