@@ -6,11 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
+from vibrafeed.core.motion.plate import PLATE
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from vibrafeed.core.plan.plan import find_scene, scene_parameters
 from vibrafeed.core.quantities import QUANTITIES, REGIMES
 from vibrafeed.core.quantities.drives import DRIVE
 from vibrafeed.core.quantities.pictures import INKS, LEVELS, colour_of
+from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.scenes import SCENES, Equation, Scene, instead_of
 from vibrafeed.core.scenes.scene import behind
 from vibrafeed.core.study.shown import SI
@@ -57,11 +59,12 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
         scene, chosen = find_scene(name, method, SYSTEMS)
         has_path = methods_of(name)[chosen].course is not None
         line |= {"title": scene.title, "trajectory": has_path}
+        drives = {**DRIVE, **TURNS} if name == PLATE else DRIVE
         if name in CONTACTS:
             line["other_drives"] = [
                 {
                     "kind": kind,
-                    "parameters": [n for n in DRIVE if n.startswith(stems)],
+                    "parameters": [n for n in drives if n.startswith(stems)],
                     "instead_of": ["amplitude", "alpha", "beta"],
                 }
                 for kind, stems in DRIVES.items()

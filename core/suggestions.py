@@ -57,6 +57,8 @@ _SYNONYMS: Final[Mapping[str, str]] = {
     "conveying_velocity": "velocity speed conveying_speed transport_velocity transport_speed "
     "feed_speed feed_velocity mean_velocity mean_speed average_velocity average_speed v "
     "velocity_mean",
+    "travel_speed": "velocity speed conveying_velocity mean_speed average_speed",
+    "travel_direction": "direction heading direction_of_travel angle_of_travel",
     "oriented_feed_rate": "wanted_feed_rate",
     "feed_rate": "feedrate throughput rate parts_per_minute ppm output_rate",
     "part_gap": "gap",

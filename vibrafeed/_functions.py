@@ -426,8 +426,8 @@ def plot(
         unit; the middle one if left out.
     kind : str, optional
         The name of a picture: posterior, distribution, indices, tornado, front,
-        positions, trajectory, animation, landscape, bodies, aspects, line, map, contour or
-        levels; the first that fits if left out.
+        positions, trajectory, animation, landscape, bodies, aspects, field, line, map, contour
+        or levels; the first that fits if left out.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional

@@ -10,6 +10,7 @@ from vibrafeed.core.calibrate.calibration import ENSEMBLE, MAX_CANDIDATES, Calib
 from vibrafeed.core.calibrate.model import OUTPUTS, Model, Runs, Unknown
 from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.plate import PLATE
 from vibrafeed.core.motion.prepare import choose_system, fix_for_unused_setting
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.plan.grid import Grid
@@ -314,11 +315,12 @@ def _problems_of_candidates(
 
 
 def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
-    if scene.name not in CONTACTS:
+    conveying = [name for name in CONTACTS if name != PLATE]
+    if scene.name not in conveying:
         yield Problem(
             "scene",
             f"the scene {scene.name} gives no conveying velocity to calibrate",
-            f"Choose among {', '.join(CONTACTS)}",
+            f"Choose among {', '.join(conveying)}",
         )
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():

@@ -17,6 +17,7 @@ from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
 from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.method import STATUS, Contacts, Groups, Motion, in_plane
 from vibrafeed.core.quantities.drives import AXES, DRIVE, WHERE
+from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.scenes.scene import Equation, arguments_of
 from vibrafeed.core.watch import Watch
@@ -34,7 +35,15 @@ SINE = (
 )
 """Parameters of the plain sine."""
 
-_HARMONIC = re.compile(r"(?:amplitude|phase)_(along|across|normal)_(\d+)")
+ARMS = {
+    "yaw": (("along", "position_y", -1.0), ("across", "position_x", 1.0)),
+    "tilt_x": (("normal", "position_y", 1.0),),
+    "tilt_y": (("normal", "position_x", -1.0),),
+}
+"""What a small turn of a plate moves at a place: the axis, the arm, its sign."""
+
+_MOVES = (*AXES, *ARMS)
+_HARMONIC = re.compile(rf"(?:amplitude|phase)_({'|'.join(_MOVES)})_(\d+)")
 _STEP = re.compile(r"(?:acceleration_(along|across|normal)|duration)_(\d+)")
 
 
@@ -43,7 +52,8 @@ class Harmonics:
     """Sines on each axis, at whole multiples of the frequency.
 
     The displacement of the track along an axis is the sum of A_k sin(k w t + phi_k); `terms` are
-    pairs of an axis and an order k.
+    pairs of an axis and an order k. A plate may turn as well, by small angles (`ARMS`): yaw psi and
+    tilts theta move its place (X, Y) by (-psi Y, psi X, theta_x Y - theta_y X).
     """
 
     terms: tuple[tuple[str, int], ...]
@@ -54,12 +64,19 @@ class Harmonics:
         numbers = [
             f"{what}_{axis}_{k}" for what in ("amplitude", "phase") for axis, k in self.terms
         ]
-        return ("frequency", "gravity", "drive_factor", *numbers)
+        return ("frequency", "gravity", "drive_factor", *numbers, *self.arms)
+
+    @property
+    def arms(self) -> dict[str, float]:
+        """The coordinates of the place on a plate that turns, by default its origin [m]."""
+        turns = any(axis in ARMS for axis, _ in self.terms)
+        return {"position_x": 0.0, "position_y": 0.0} if turns else {}
 
     @property
     def defaults(self) -> dict[str, float]:
         """Default values of quantities that a study may omit, SI units."""
-        return {"drive_factor": 1.0, **{f"phase_{axis}_{k}": 0.0 for axis, k in self.terms}}
+        phases = {f"phase_{axis}_{k}": 0.0 for axis, k in self.terms}
+        return {"drive_factor": 1.0, **phases, **self.arms}
 
     def wave(self, **inputs: Array) -> waves.Wave:
         """Return the drive of harmonics: push k^2 w^2 A_k sin(k tau + phi_k)/g on each axis.
@@ -74,8 +91,10 @@ class Harmonics:
         for axis, k in self.terms:
             size = k * k * inputs[f"amplitude_{axis}_{k}"] * unit
             phase = inputs[f"phase_{axis}_{k}"]
-            harmonics[AXES.index(axis), 0, k - 1] = size * cosine(phase)
-            harmonics[AXES.index(axis), 1, k - 1] = size * sine(phase)
+            for along, arm, sign in ARMS.get(axis, ((axis, "", 1.0),)):
+                moved = size * sign * inputs[arm] if arm else size
+                harmonics[AXES.index(along), 0, k - 1] += moved * cosine(phase)
+                harmonics[AXES.index(along), 1, k - 1] += moved * sine(phase)
         return waves.Wave(harmonics, np.zeros((4, 0, *shape)))
 
 
@@ -235,7 +254,7 @@ def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
 
     None for the plain sine, and if there are problems, such as names of two kinds.
     """
-    known = {*DRIVE, *SINE}
+    known = {*DRIVE, *SINE, *TURNS}
     names = [name for name in parameters if name in known]
     terms = {(m[1], int(m[2])) for m in filter(None, map(_HARMONIC.fullmatch, names))}
     steps = list(filter(None, map(_STEP.fullmatch, names)))
@@ -283,7 +302,7 @@ def _mixed(name: str, kind: str, other: str, fix: str) -> Problem:
 
 
 def _by_axis(term: tuple[str, int]) -> tuple[int, int]:
-    return AXES.index(term[0]), term[1]
+    return _MOVES.index(term[0]), term[1]
 
 
 # --- the demands of a drive on the machine, by axis

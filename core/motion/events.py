@@ -39,6 +39,7 @@ from vibrafeed.core.motion.method import (
     in_plane,
     motion_of,
 )
+from vibrafeed.core.motion.weak_friction import with_limits
 from vibrafeed.core.quantities import MOTION_MODES
 from vibrafeed.core.watch import Watch
 
@@ -249,8 +250,17 @@ def motion_by_events(
 
     In closed form in the plane, by power series in space. A cylinder that slides along its axis
     moves as a block does. `tolerance` is the error of the state at which a motion counts as
-    repeating, as a share of the drive; after `max_periods` it counts as aperiodic.
+    repeating, as a share of the drive; after `max_periods` it counts as aperiodic. Where friction
+    is too weak to settle the motion in these, the velocity is its limit for weak friction.
     """
+    motion = _followed(groups, contacts, tolerance, max_periods, watch)
+    return with_limits(motion, groups, contacts)
+
+
+def _followed(
+    groups: Groups, contacts: Contacts, tolerance: ArrayLike, max_periods: ArrayLike,
+    watch: Watch | None,
+) -> Motion:  # fmt: skip
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     plane = in_plane(groups, contacts)
     if plane.all():
@@ -323,16 +333,20 @@ def _with_waves(kernel: Callable[..., Any], groups: NDArray[np.float64], *found:
     kernel(groups, waves_of(groups), *found)
 
 
-def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+def path_of(asked: TrajectoryRequest, contacts: Contacts) -> tuple[Path, NDArray[np.int8]]:
+    """Return positions and modes of one part at the asked times, in the plane or in space."""
     settings: dict[str, Any] = {"phases": asked.times()[1], "watch": asked.watch}
     for name in ("tolerance", "max_periods"):
         settings[name] = np.asarray(asked.arguments[name]).item()
     if in_plane(asked.groups, contacts):
-        path, modes = planar_path(asked.groups, **settings)
-    else:
-        path, modes = spatial_path(asked.groups, contacts, **settings)
-        path.position[:, 0] -= path.position[0, 0]
-    return asked.trajectory(path, modes, contacts.wall)
+        return planar_path(asked.groups, **settings)
+    path, modes = spatial_path(asked.groups, contacts, **settings)
+    path.position[:, 0] -= path.position[0, 0]
+    return path, modes
+
+
+def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+    return asked.trajectory(*path_of(asked, contacts), contacts.wall)
 
 
 EVENTS = Method(

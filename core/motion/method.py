@@ -103,7 +103,7 @@ class Energy(NamedTuple):
 
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in MOTION_STATUSES.items()}
 
-ANSWERED = ("periodic", "at_rest", "aperiodic", "sensitive", "neutral")
+ANSWERED = ("periodic", "at_rest", "aperiodic", "sensitive", "neutral", "weak_friction")
 """Statuses of cells that have a mean velocity."""
 
 SHARES = ("stick", "forward", "backward", "flight")
@@ -323,6 +323,13 @@ def of_quantities(*, load_number: Array, **numbers: Any) -> Groups:
     return Groups(gravity_number_normal=load_number, **numbers)
 
 
+def displacement(groups: Groups, axis: int, phases: Array) -> Array:
+    """Return the displacement of the track along an axis, in g/w^2, of one part."""
+    if groups.wave is None:
+        return np.asarray(groups.drive[axis] * np.sin(phases))
+    return position_at(groups.wave, axis, phases)
+
+
 TIME = "cycle_time"
 """The axis of a trajectory."""
 
@@ -408,14 +415,10 @@ class TrajectoryRequest(NamedTuple):
         """
         times, phases = self.times()
         speed, length = self.scale("velocity_scale"), self.scale("length_scale")
-        position, velocity, groups = path.position, path.velocity, self.groups
-        if groups.wave is None:
-            swing = length * np.sin(phases)
-            along, normal = groups.drive_number_along * swing, groups.drive_number_normal * swing
-        else:
-            along, normal = (
-                length * position_at(groups.wave, axis, phases) for axis in (ALONG, NORMAL)
-            )
+        position, velocity = path.position, path.velocity
+        along, normal = (
+            length * displacement(self.groups, axis, phases) for axis in (ALONG, NORMAL)
+        )
         values = {
             TIME: times,
             "position_along": position[:, 0] * length,

@@ -10,6 +10,7 @@ from vibrafeed.core.motion import rolling_scene, row_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.method import Contacts, Method
+from vibrafeed.core.motion.plate import PLATE
 from vibrafeed.core.motion.systems import (
     CONTACTS,
     FALLING,
@@ -23,6 +24,7 @@ from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
 from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
 from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.scenes import Scene
 from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, SimulateStudy
 from vibrafeed.core.study.values import Fixed
@@ -107,6 +109,12 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     names = tuple(parameters)
+    if name == PLATE:
+        shape, of_shape = shape_of(names)
+        if of_shape:
+            raise StudyError([*problems, *of_shape])
+        return (driven(scene, shape) if shape else scene), method, problems
+    names = tuple(one for one in names if one not in TURNS)  # of a plate alone
     if name not in CONTACTS and name != row_scene.ROW:
         return scene, method, problems
     shape, of_shape = shape_of(names)

@@ -46,7 +46,11 @@ EXACT_MEANS = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "sett
 MEANS = [STATUS[name] for name in ANSWERED]
 """Statuses of motions that have a mean velocity, on which two methods agree within their errors."""
 
-VELOCITY = "conveying_velocity"
+VELOCITIES = {
+    "conveying_velocity": ERROR,
+    **dict.fromkeys(("velocity_x", "velocity_y"), "velocity_error"),
+}
+"""Mean velocities, and the outputs that state their errors."""
 
 SPEED = ("drive_number", "velocity_scale")
 
@@ -57,9 +61,11 @@ def accuracy(plan: Plan) -> str:
     It tells, too, if an output states the error of each cell.
     """
     text = methods_of(plan.scene.name)[plan.variant].accuracy
-    if ERROR not in plan.scene.outputs(plan.variant):
+    gives = plan.scene.outputs(plan.variant)
+    error = next((one for one in VELOCITIES.values() if one in gives), None)
+    if error is None:
         return text
-    told = ERROR if ERROR in plan.outputs else f"the output {ERROR}, if asked for,"
+    told = error if error in plan.outputs else f"the output {error}, if asked for,"
     return f"{text}; {told} states it for each cell"
 
 
@@ -160,7 +166,8 @@ def compare(
     scene = plan.scene
     has = scene.outputs(method)
     outputs = [name for name in got if name in has and QUANTITIES[name].compared]
-    judging = [name for name in (VELOCITY, ERROR, "motion_status") if name in has]
+    names = dict.fromkeys([*VELOCITIES, *VELOCITIES.values(), "motion_status"])
+    judging = [name for name in names if name in has]
     count = next(iter(got.values())).size
     theirs = _follow_cells(scene, method, (*outputs, *judging, *SPEED), cells, count, watch)
     ours = got
@@ -203,8 +210,8 @@ def _worst(
         cell = int(np.argmax(error))
         share = float(error[cell]) / size
         if not worst or share > worst["share"]:
-            states = name == VELOCITY and ERROR in theirs
-            stated = float(theirs[ERROR][cell]) if states else np.nan
+            states = VELOCITIES.get(name, "") in theirs
+            stated = float(theirs[VELOCITIES[name]][cell]) if states else np.nan
             worst = {
                 "output": name, "cell": cell, "error": float(error[cell]), "share": share,
                 "stated": stated,
@@ -246,12 +253,14 @@ def _follow_cells(
 def _velocity_difference(
     ours: Mapping[str, Array], theirs: Mapping[str, Array]
 ) -> tuple[Array, Array]:
-    if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
+    both = [name for name, error in VELOCITIES.items() if {name, error} <= {*ours} & {*theirs}]
+    if not both:
         nothing = np.zeros_like(theirs["motion_status"])
         return nothing, nothing + np.inf
+    error = VELOCITIES[both[0]]
     drive = theirs["drive_number"] * theirs["velocity_scale"]
-    stated = ours[ERROR] + theirs[ERROR] + RESOLVED * drive
-    return np.abs(ours[VELOCITY] - theirs[VELOCITY]), stated
+    apart = np.maximum.reduce([np.abs(ours[name] - theirs[name]) for name in both])
+    return apart, ours[error] + theirs[error] + RESOLVED * drive
 
 
 def verified(

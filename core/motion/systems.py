@@ -19,6 +19,7 @@ from vibrafeed.core.motion import (
     drives,
     events,
     feeding,
+    plate,
     reference,
     rolling_scene,
     row_scene,
@@ -149,10 +150,13 @@ SPATIAL_SCALES = (
     *drives.limits("sine"),
     Equation("fastest_velocity", drives.fastest_velocity, "docs/best-wave.md"),
 )
-TRACK_SCALES = (
+LEANING_SCALES = (
     *(e for e in SPATIAL_SCALES if e.gives != "gravity_number_normal"),
     Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
     Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
+)
+TRACK_SCALES = (
+    *LEANING_SCALES,
     Equation("curvature_number", scales.curvature_number, "theory 13.10"),
     scales.WALL_FRICTION,
     scales.product(
@@ -170,14 +174,11 @@ _ON_TRACK = (
     "gravity_number_across", "load_number", "curvature_number", "friction_static",
     "friction_kinetic", "wall_friction", "restitution", "wall_restitution",
 )  # fmt: skip
-ON_FLOOR = (
-    *SPATIAL_SCALES,
-    Equation(
-        "groups", of_quantities, "theory 13.1", needs=_ON_FLOOR,
-        says="Return the dimensionless groups of a part that moves in space on a floor without "
-        "wall.",
-    ),
+GROUPS_ON_FLOOR = Equation(
+    "groups", of_quantities, "theory 13.1", needs=_ON_FLOOR,
+    says="Return the dimensionless groups of a part that moves in space on a floor without wall.",
 )  # fmt: skip
+ON_FLOOR = (*SPATIAL_SCALES, GROUPS_ON_FLOOR)
 ON_TRACK = (
     *TRACK_SCALES,
     Equation(
@@ -204,10 +205,12 @@ VALIDITY = (
 METHODS: dict[str, dict[str, Method]] = {
     "conveying": {"events": events.EVENTS, "reference": reference.REFERENCE},
     "tumbling": {"events": tumbling_scene.EVENTS},
+    "plate": plate.METHODS,
     "row": {"events": rows.EVENTS},
     "rolling": rolling_scene.METHODS,
 }
-"""The methods by what they follow: a conveyed part, one that tumbles, a row, a round part."""
+"""The methods by what they follow: a conveyed part, one on a plate, one that tumbles, a row, a
+round part."""
 
 
 def _conveying(
@@ -266,6 +269,53 @@ def _conveying(
     )
 
 
+# --- a part on a plate
+
+_ON_PLATE = (*_ON_FLOOR, "gravity_number_across")
+_OF_PLATE = (
+    "stick_fraction", "flight_fraction", "impacts_per_period", "period_multiple", "landing_speed",
+    "hop_height", "motion_status",
+)  # fmt: skip
+_POWERS = tuple(e for e in scales.ENERGY_RESULTS if e.gives.endswith("_power"))
+
+
+def _on_plate() -> Scene:
+    results = (*plate.RESULTS, *(one for one in RESULTS if one.gives in _OF_PLATE))
+    given = frozenset(one.gives for one in (*results, *_POWERS)) | {"regime"}
+    conditions = tuple(
+        replace(one, outputs=given) for one in CONDITIONS if one.regime != "unbounded"
+    )
+
+    def equations(method: Method) -> tuple[Equation, ...]:
+        functions = {"motion": method.follow} | ({"energy": method.energy} if method.energy else {})
+        return (
+            *(one for one in LEANING_SCALES if one.gives != "fastest_velocity"),
+            replace(GROUPS_ON_FLOOR, needs=_ON_PLATE),
+            *(
+                Equation(gives, partial(function, contacts=CONTACTS[plate.PLATE]), method.source,
+                         says=inspect.getdoc(function) or "")
+                for gives, function in functions.items()
+            ),
+            *results,
+            *(_POWERS if method.energy else ()),
+        )  # fmt: skip
+
+    return Scene(
+        name=plate.PLATE,
+        title="Motion in time of a part on a plate without a wall",
+        source="theory 13",
+        validity=VALIDITY + " The plate has no edge. Its turns are small, and the part feels the "
+        "displacement of the place that it is given.",
+        variants={name: equations(method) for name, method in plate.METHODS.items()},
+        default_variant="events",
+        conditions=dict.fromkeys(plate.METHODS, conditions),
+        defaults={**DEFAULTS, "delta": 0.0, "target_direction": 0.0},
+        constraints=(STATIC_ABOVE_KINETIC, scales.DRIVEN, *reference.REFERENCE.refuses),
+        choice="method",
+        variant_defaults={name: method.defaults for name, method in plate.METHODS.items()},
+    )
+
+
 # --- restitution that falls with the speed of impact (theory 18.3)
 
 
@@ -321,6 +371,7 @@ CONTACTS: dict[str, Contacts] = {
     "rectangle-on-plane": Contacts(),
     "cylinder-on-plane": Contacts(rolling=SOLID_CYLINDER),
     "rectangle-on-track": Contacts(wall=True),
+    plate.PLATE: Contacts(),
 }
 """What the parts that are conveyed can touch, by the name of their scene."""
 
@@ -344,6 +395,7 @@ SYSTEMS: dict[str, Scene] = {
         "gives its own; its static friction is its kinetic one. The track is straight unless the "
         "study gives its radius.",
     ),
+    plate.PLATE: _on_plate(),
     **tumbling_scene.SCENES,
     row_scene.ROW: row_scene.row_of(()),
     **rolling_scene.SCENES,
@@ -356,5 +408,7 @@ def methods_of(scene: str) -> Mapping[str, Method]:
 
     `scene` is the name of the scene: a row of parts, rolling, conveying, or tumbling.
     """
+    if scene == plate.PLATE:
+        return METHODS["plate"]
     of = "row" if scene == row_scene.ROW else "conveying" if scene in CONTACTS else "tumbling"
     return METHODS["rolling" if scene in rolling_scene.SCENES else of]

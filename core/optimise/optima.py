@@ -16,6 +16,7 @@ from vibrafeed.core.optimise.optimisation import Optimisation
 from vibrafeed.core.optimise.prepare import choose_problem_scene, prepare
 from vibrafeed.core.optimise.problem import (
     LIMIT,
+    MEAN_VELOCITIES,
     STATUS,
     Optima,
     OptimisationProblem,
@@ -131,7 +132,7 @@ def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:
 # --- what is told of the optima
 
 
-FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
+FORWARD = ("acceleration_x", "starting_acceleration", *MEAN_VELOCITIES)
 """Outputs that are forward motion where they are positive."""
 
 FLAT = 1e-14  # of the objective's scale: a smaller difference of all choices is rounding

@@ -37,6 +37,11 @@ SECOND: dict[str, str] = {
 """Of choices that are as good by a maximised output, the output that decides between them: a line
 that also lets wrong parts through gives no fewer right ones."""
 
+MEAN_VELOCITIES = (
+    "conveying_velocity", "velocity_x", "velocity_y", "velocity_towards", "travel_speed"
+)  # fmt: skip
+"""Outputs whose error is that of the motion's mean."""
+
 TIE = 1e-12  # share of an output's scale within which choices are as good
 
 Arrays = dict[str, Any]
@@ -308,7 +313,7 @@ class OptimisationProblem:
     @property
     def states_error(self) -> bool:
         """True if the output is a mean over a motion with a known error."""
-        return self.is_motion and self.criterion.output == "conveying_velocity"
+        return self.is_motion and self.criterion.output in MEAN_VELOCITIES
 
     def longer(self, times: float = LONGEST) -> "OptimisationProblem":
         """Return the problem with motions that do not repeat followed `times` as long.

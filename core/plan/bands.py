@@ -40,6 +40,8 @@ BLOCK: Final = 1 << 14
 SPEED_UNITS: Final = ("m s-1", "min-1")
 CONVEYING: Final = ("conveying_velocity", "feed_rate", "line_feed_rate", "oriented_feed_rate")
 """Outputs of a motion with a band; the first has the least and the largest value of all."""
+OF_PLATE: Final = ("velocity_x", "velocity_y", "travel_speed", "velocity_towards")
+"""Outputs of a part on a plate with a band, each by itself."""
 
 Compute = Callable[[Array, NDArray[np.intp]], Array]
 """Takes values of the parameter and the cells, shape (n,); returns outputs, shape (outputs, n)."""
@@ -205,7 +207,7 @@ def bands_of(plan: Plan, grid: Grid) -> Bands | None:
     takes_long = any(equation.takes_long for equation in plan.equations)
     outputs = tuple(
         output
-        for output in (CONVEYING if takes_long else plan.outputs)
+        for output in ((*CONVEYING, *OF_PLATE) if takes_long else plan.outputs)
         if output in plan.outputs
         if QUANTITIES[output].unit in SPEED_UNITS and QUANTITIES[output].is_derived
         if name in plan.part((output,)).parameters
@@ -227,7 +229,9 @@ def bands_of(plan: Plan, grid: Grid) -> Bands | None:
             )
         )
     raise_any(problems)
-    groups = (outputs,) if takes_long else tuple((output,) for output in outputs)
+    alone = OF_PLATE if takes_long else outputs
+    led = tuple(output for output in outputs if output not in alone)
+    groups = (*((led,) if led else ()), *((output,) for output in outputs if output in alone))
     judges = {output: link_to_verdict(plan, output) for output in outputs}
     return Bands(outputs, name, band, groups, judges)
 

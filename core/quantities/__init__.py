@@ -18,6 +18,7 @@ from vibrafeed.core.quantities.flags import (
 from vibrafeed.core.quantities.impacts import IMPACTS, ISOLATED
 from vibrafeed.core.quantities.motion import DIRECTIONS, MOTION, OPTIMUM
 from vibrafeed.core.quantities.orienting import ORIENTING, RESTING
+from vibrafeed.core.quantities.plate import PLATE
 from vibrafeed.core.quantities.quantity import WORD_OF, WORDS, Quantity, by_letters, letter_of
 from vibrafeed.core.quantities.round_parts import ROLLING, ROUND_PARTS
 from vibrafeed.core.quantities.row import ROW
@@ -56,6 +57,7 @@ FAMILIES = (
     ORIENTING,
     ROW,
     ROUND_PARTS,
+    PLATE,
 )
 QUANTITIES: dict[str, Quantity] = {
     name: quantity for family in FAMILIES for name, quantity in family.items()

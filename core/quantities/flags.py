@@ -169,6 +169,10 @@ MOTION_STATUSES: dict[str, Flag] = {
     "rolls_and_slips": Flag(
         12, "a round part slips or hops besides rolling: its mean speed is not known", valid=False
     ),
+    "weak_friction": Flag(
+        13,
+        "friction is too weak to settle the motion within max_periods: the limit for weak friction",
+    ),
 }
 
 OPTIMUM_STATUSES: dict[str, Flag] = {

@@ -50,7 +50,8 @@ TRACK: dict[str, Quantity] = {
         (0.2, 90.0),
     ),
     "delta": angle(
-        "delta", "Lean angle", "Lean of the track; the part leans on the wall.", 90.0, "2 deg",
+        "delta", "Lean angle", "Lean of track or plate; +y goes uphill, and a wall is downhill.",
+        90.0, "2 deg",
         (0.2, 90.0),
     ),
     "yaw": angle(

@@ -26,6 +26,7 @@ SCENES: dict[str, Scene] = {
     "rectangle-isolated": isolated.RECTANGLE_SCENE,
     "rectangle-on-plane": on_floor.RECTANGLE_SCENE,
     "rectangle-on-track": on_floor.TRACK_SCENE,
+    "part-on-plate": on_floor.PLATE_SCENE,
     "rectangle-pair-impact": pair_impact.RECTANGLE_SCENE,
     "cylinder-isolated": isolated.CYLINDER_SCENE,
     "cylinder-on-plane": on_floor.CYLINDER_SCENE,

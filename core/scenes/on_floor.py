@@ -1,5 +1,6 @@
 """Parts on the floor of plane or track, at the drive's peak; sections 3.2, 3.3 of the source."""
 
+from dataclasses import replace
 from functools import partial
 
 from vibrafeed.core.mechanics import floor, rolling, travel, wall
@@ -64,18 +65,23 @@ UNILATERAL = (
     Equation("acceleration_z", floor.lift_off_acceleration, "theory 3.2", "physical"),
 )
 
+SHARED_FRICTION = (
+    Equation("sliding_fraction", floor.sliding_fraction, "theory 3.2", "physical"),
+    Equation("acceleration_x", floor.disc_acceleration_x, "theory 3.2", "physical"),
+    under_names(
+        "acceleration_y",
+        floor.disc_acceleration_x,
+        "theory 3.2",
+        "the acceleration along y from rest, both axes sharing one friction disc [m s-2]",
+        "physical",
+        in_plane_drive_x="in_plane_drive_y",
+    ),
+)
+
 PLANE_DEFAULTS = {"alpha": 0.0, "gamma": 0.0, "gravity": STANDARD_GRAVITY}
 
-ACCELERATIONS = frozenset(
-    (
-        "acceleration_x",
-        "acceleration_y",
-        "rotated_acceleration_x",
-        "rotated_acceleration_y",
-        "sliding_fraction",
-        "regime",
-    )
-)
+ROTATED = frozenset(("rotated_acceleration_x", "rotated_acceleration_y"))
+ACCELERATIONS = ROTATED | {"acceleration_x", "acceleration_y", "sliding_fraction", "regime"}
 FLOOR = frozenset(
     ("normal_acceleration", "throw_number", "floor_acceleration", "floor_force", "acceleration_z")
 )
@@ -103,16 +109,7 @@ RECTANGLE_SCENE = Scene(
         "physical": (
             *PLANE,
             *UNILATERAL,
-            Equation("sliding_fraction", floor.sliding_fraction, "theory 3.2", "physical"),
-            Equation("acceleration_x", floor.disc_acceleration_x, "theory 3.2", "physical"),
-            under_names(
-                "acceleration_y",
-                floor.disc_acceleration_x,
-                "theory 3.2",
-                "the acceleration along y from rest, both axes sharing one friction disc [m s-2]",
-                "physical",
-                in_plane_drive_x="in_plane_drive_y",
-            ),
+            *SHARED_FRICTION,
             Equation("pressure_offset_x", floor.pressure_offset_x, "theory 4.4", "physical"),
             under_names(
                 "pressure_offset_y",
@@ -138,6 +135,43 @@ RECTANGLE_SCENE = Scene(
     },
     defaults={**PLANE_DEFAULTS, "yaw": 0.0},
     rounding_bound=8,
+)
+
+
+# --- A part on a plate that slopes in any direction, without a wall.
+
+PLATE_SCENE = Scene(
+    name="part-on-plate",
+    title="Part on a plate without a wall",
+    source="theory 13",
+    validity="A snapshot at the drive's peak for a part at rest relative to the plate. Closed "
+    "forms describe the part only while the throw number is below 1.",
+    variants={
+        "physical": (
+            *DRIVE,
+            Equation("gravity_normal", floor.leaning_gravity_normal, "(3.13)"),
+            Equation("gravity_across", floor.gravity_across, "(3.13)"),
+            under_names(
+                "in_plane_drive_y",
+                floor.in_plane_drive_x,
+                "theory 3",
+                "drive less gravity along y [m s-2]",
+                drive_along="drive_across",
+                gravity_along="gravity_across",
+            ),
+            Equation("in_plane_drive", floor.in_plane_drive, "theory 3.2"),
+            Equation("floor_force", floor.floor_force, "(3.9), (3.11)"),
+            *UNILATERAL,
+            *SHARED_FRICTION,
+        )
+    },
+    default_variant="physical",
+    conditions={
+        "physical": tuple(
+            replace(one, outputs=one.outputs - OFFSETS - ROTATED) for one in (FLIGHT, STICK)
+        )
+    },
+    defaults={**PLANE_DEFAULTS, "delta": 0.0},
 )
 
 

@@ -68,6 +68,12 @@ CARRY_OUT: Mapping[str, Callable[[], xarray.Dataset]] = {
     "uncertain": partial(vibrafeed.sensitivity, **UNCERTAIN),
     "row": partial(vibrafeed.simulate, ROOT / "configs" / "row.toml", trajectory=40),
     "course": partial(vibrafeed.simulate, **COURSE),
+    "plate": partial(
+        vibrafeed.simulate, scene="part-on-plate", outputs=["velocity_x", "velocity_y"],
+        frequency=50, friction=[0.2, 0.3], amplitude_along_1="0.1 mm",
+        amplitude_across_1="0.1 mm", phase_across_1=-90, amplitude_tilt_y_1="0.03 deg",
+        position_x=[-0.1, 0, 0.1], position_y=[-0.05, 0.05],
+    ),
     "part": partial(vibrafeed.sweep, scene="resting-part", part=box(30, 20, 10),
                     outputs=["thrown_share"]),
     "calibration": partial(vibrafeed.calibrate, **MEASURED),
@@ -86,12 +92,13 @@ OF = {
     **dict.fromkeys(("line", "map", "contour", "levels"), "sweep"),
     "front": "front", "positions": "row", "trajectory": "course", "animation": "course",
     "landscape": "optimum", "bodies": "impact", "aspects": "part",
+    "field": "plate",
 }  # fmt: skip
 AT = {
     "sweep": {"amplitude": 0.00005}, "impact": {"friction": 0.3},
     "optimum": {"amplitude": 0.0001}, "front": {"amplitude": 0.00005}, "uncertain": {"gamma": 0},
     "row": {"friction": 0.3}, "course": {"friction": 0.3}, "calibration": {"frequency": 50},
-    "part": {"aspect": 2},
+    "part": {"aspect": 2}, "plate": {"friction": 0.2},
 }  # fmt: skip
 OPTIONS: Mapping[str, Any] = {
     "variable": {"variable": "throw_number"},
