@@ -3,4 +3,4 @@
 It speaks no HTTP, prints nothing and keeps no global state. `docs/theory.md` says what it computes.
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"

@@ -97,7 +97,7 @@ class ResultFile(Link):
     cellsPerSecond: float  # noqa: N815
     version: str = Field(
         description="Version of vibrafeed that computed it, and a digest of the code, as in "
-        "`0.1.0+1f2e3d4c`."
+        "`0.2.0+1f2e3d4c`."
     )
 
 
