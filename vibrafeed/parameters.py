@@ -38,10 +38,11 @@ per_min: TypeAlias = Values
 rad_per_s: TypeAlias = Values
 s: TypeAlias = Values
 SceneName: TypeAlias = Literal[
-    "rectangle-isolated", "rectangle-on-plane", "rectangle-on-track", "rectangle-pair-impact",
-    "cylinder-isolated", "cylinder-on-plane", "cylinder-pair-impact", "cylinder-rolling",
-    "sphere-on-plane", "roller-on-plane", "disc-on-edge", "cone-on-plane", "soft-contact",
-    "linear-drive-unit", "bowl-drive-unit", "resting-part", "orienting-line", "row-on-plane",
+    "rectangle-isolated", "rectangle-on-plane", "rectangle-on-track", "part-on-plate",
+    "rectangle-pair-impact", "cylinder-isolated", "cylinder-on-plane", "cylinder-pair-impact",
+    "cylinder-rolling", "sphere-on-plane", "roller-on-plane", "disc-on-edge", "cone-on-plane",
+    "soft-contact", "linear-drive-unit", "bowl-drive-unit", "resting-part", "orienting-line",
+    "row-on-plane",
 ]
 Output: TypeAlias = Literal[
     "vibration_acceleration", "drive_along", "drive_across", "drive_normal", "gravity_along",
@@ -130,6 +131,8 @@ Output: TypeAlias = Literal[
     "turning_acceleration", "net_push", "wall_drag", "impact_damping", "restitution_at_impact",
     "damping_of_restitution", "restitution_of_damping", "lining_frequency", "lining_sag",
     "stiffness_ratio", "hertz_depth", "hertz_time", "mean_acceleration", "slip_velocity",
+    "velocity_x", "velocity_y", "velocity_error", "travel_speed", "travel_direction",
+    "velocity_towards", "slip_fraction",
 ]
 Outputs: TypeAlias = Output | str | Sequence[Output | str]
 # Other drives, drive units, tracks of bowls, and single parts of rows (docs/drives.md).
@@ -232,6 +235,15 @@ _RectangleOnTrack = TypedDict("_RectangleOnTrack", {
 }, total=False)
 class RectangleOnTrack(_RectangleOnTrack, InTime, total=False):
     """Rectangular part on the narrow track, floor and wall."""
+_PartOnPlate = TypedDict("_PartOnPlate", {
+    "frequency": Hz, "amplitude": m, "peak_to_peak": m, "vertical_amplitude": m,
+    "vertical_peak_to_peak": m, "alpha": degree, "beta": degree, "gamma": degree, "delta": degree,
+    "gravity": m_per_s2, "friction": number, "friction_static": number, "friction_kinetic": number,
+    "mass": kg, "restitution": number, "hold_down": m_per_s2, "hold_down_force": N,
+    "target_direction": degree,
+}, total=False)
+class PartOnPlate(_PartOnPlate, InTime, total=False):
+    """Part on a plate without a wall."""
 # Impact of two rectangular parts on the floor plane.
 RectanglePairImpact = TypedDict("RectanglePairImpact", {
     "friction": number, "restitution": number, "position_x_1": m, "position_y_1": m,
@@ -388,10 +400,10 @@ _RowOnPlane = TypedDict("_RowOnPlane", {
 }, total=False)
 class RowOnPlane(_RowOnPlane, InTime, total=False):
     """Row of equal parts in one lane."""
-class Keywords(RectangleIsolated, RectangleOnPlane, RectangleOnTrack, RectanglePairImpact,
-        CylinderIsolated, CylinderOnPlane, CylinderPairImpact, CylinderRolling, SphereOnPlane,
-        RollerOnPlane, DiscOnEdge, ConeOnPlane, SoftContact, LinearDriveUnit, BowlDriveUnit,
-        RestingPart, OrientingLine, RowOnPlane, total=False):
+class Keywords(RectangleIsolated, RectangleOnPlane, RectangleOnTrack, PartOnPlate,
+        RectanglePairImpact, CylinderIsolated, CylinderOnPlane, CylinderPairImpact, CylinderRolling,
+        SphereOnPlane, RollerOnPlane, DiscOnEdge, ConeOnPlane, SoftContact, LinearDriveUnit,
+        BowlDriveUnit, RestingPart, OrientingLine, RowOnPlane, total=False):
     """Keywords of studies that their functions do not name."""
     scene: SceneName | str
     parameters: Mapping[str, Values]
