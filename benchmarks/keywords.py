@@ -16,6 +16,7 @@ from vibrafeed.core.motion.row_scene import STOP_GAPS
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.drives import BOWL_TRACK, DRIVE
+from vibrafeed.core.quantities.plate import PLATE
 from vibrafeed.core.quantities.row import MAX_NUMBERED, NUMBERS
 from vibrafeed.core.scenes import SCENES
 
@@ -46,7 +47,9 @@ from vibrafeed._values import Values
 def in_time() -> set[str]:
     """Return the parameters that motion in time takes in any scene: drives, units, tracks, rows."""
     rows = (f"{stem}_{n + 1}" for stem in NUMBERS for n in range(MAX_NUMBERED))
-    registries = [name for one in (DRIVE, BOWL_TRACK) for name in one if QUANTITIES[name].parameter]
+    registries = [
+        name for one in (DRIVE, BOWL_TRACK, TURNS) for name in one if QUANTITIES[name].parameter
+    ]
     choosing = ("friction_spread", "friction_seed", *STOP_GAPS)
     return {*registries, *PARAMETERS_OF_UNIT, *choosing, *rows}
 

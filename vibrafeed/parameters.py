@@ -202,7 +202,13 @@ InTime = TypedDict("InTime", {
     "part_mass_8": kg, "part_mass_9": kg, "part_mass_10": kg, "part_gap_1": m, "part_gap_2": m,
     "part_gap_3": m, "part_gap_4": m, "part_gap_5": m, "part_gap_6": m, "part_gap_7": m,
     "part_gap_8": m, "part_gap_9": m, "part_gap_10": m, "friction_spread": number,
-    "friction_seed": number, "track_stop_gap": m, "fixed_stop_gap": m,
+    "friction_seed": number, "track_stop_gap": m, "fixed_stop_gap": m, "amplitude_yaw_1": degree,
+    "amplitude_yaw_2": degree, "amplitude_yaw_3": degree, "amplitude_tilt_x_1": degree,
+    "amplitude_tilt_x_2": degree, "amplitude_tilt_x_3": degree, "amplitude_tilt_y_1": degree,
+    "amplitude_tilt_y_2": degree, "amplitude_tilt_y_3": degree, "phase_yaw_1": degree,
+    "phase_yaw_2": degree, "phase_yaw_3": degree, "phase_tilt_x_1": degree,
+    "phase_tilt_x_2": degree, "phase_tilt_x_3": degree, "phase_tilt_y_1": degree,
+    "phase_tilt_y_2": degree, "phase_tilt_y_3": degree,
 }, total=False)
 _RectangleIsolated = TypedDict("_RectangleIsolated", {
     "frequency": Hz, "amplitude": m, "peak_to_peak": m, "vertical_amplitude": m,

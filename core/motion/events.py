@@ -39,7 +39,6 @@ from vibrafeed.core.motion.method import (
     in_plane,
     motion_of,
 )
-from vibrafeed.core.motion.weak_friction import with_limits
 from vibrafeed.core.quantities import MOTION_MODES
 from vibrafeed.core.watch import Watch
 
@@ -250,17 +249,8 @@ def motion_by_events(
 
     In closed form in the plane, by power series in space. A cylinder that slides along its axis
     moves as a block does. `tolerance` is the error of the state at which a motion counts as
-    repeating, as a share of the drive; after `max_periods` it counts as aperiodic. Where friction
-    is too weak to settle the motion in these, the velocity is its limit for weak friction.
+    repeating, as a share of the drive; after `max_periods` it counts as aperiodic.
     """
-    motion = _followed(groups, contacts, tolerance, max_periods, watch)
-    return with_limits(motion, groups, contacts)
-
-
-def _followed(
-    groups: Groups, contacts: Contacts, tolerance: ArrayLike, max_periods: ArrayLike,
-    watch: Watch | None,
-) -> Motion:  # fmt: skip
     settings = {"tolerance": tolerance, "max_periods": max_periods}
     plane = in_plane(groups, contacts)
     if plane.all():

@@ -26,6 +26,7 @@ from vibrafeed.core.motion.method import (
 from vibrafeed.core.motion.scales import product
 from vibrafeed.core.motion.turning import turn, turned
 from vibrafeed.core.motion.waves import ACROSS
+from vibrafeed.core.motion.weak_friction import with_limits
 from vibrafeed.core.scenes.scene import Equation
 
 PLATE = "part-on-plate"
@@ -61,10 +62,15 @@ def trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
     }
 
 
+@wraps(events.EVENTS.follow)
+def _settled(*, groups: Groups, **others: Any) -> Motion:
+    return with_limits(events.EVENTS.follow(groups=groups, **others), groups)
+
+
 METHODS: dict[str, Method] = {
     "events": replace(
         events.EVENTS,
-        follow=_on_plate(events.EVENTS.follow),
+        follow=_on_plate(_settled),
         energy=_on_plate(events.energy_by_events),
         course=trajectory,
     ),

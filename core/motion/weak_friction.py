@@ -16,7 +16,7 @@ import scipy
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import waves
-from vibrafeed.core.motion.method import STATUS, Contacts, Groups, Motion, cells_of, each, groups_of
+from vibrafeed.core.motion.method import STATUS, Groups, Motion, cells_of, each, groups_of
 from vibrafeed.core.motion.turning import turn, turned
 
 INTERVALS = 4096
@@ -41,17 +41,17 @@ class Limit(NamedTuple):
     forward: float
 
 
-def with_limits(motion: Motion, groups: Groups, contacts: Contacts) -> Motion:
+def with_limits(motion: Motion, groups: Groups) -> Motion:
     """Return the motion with that of weak friction where `max_periods` came before a cycle."""
     status = np.ravel(motion.status)
     (cells,) = np.nonzero(status == STATUS["limit_reached"])
-    if not cells.size or contacts.rolling:
+    if not cells.size:
         return motion
     rows, shape = cells_of(groups)
     parts, _ = each(groups_of(rows[cells], groups.wave is not None)[0])
     fields = {name: np.array(field).reshape(-1) for name, field in motion._asdict().items()}
     for cell, part in zip(cells, parts, strict=True):
-        limit = limit_of(part, contacts)
+        limit = limit_of(part)
         if limit is None:
             continue
         known = {
@@ -64,17 +64,15 @@ def with_limits(motion: Motion, groups: Groups, contacts: Contacts) -> Motion:
     return Motion(**{name: field.reshape(shape) for name, field in fields.items()})
 
 
-def limit_of(part: Groups, contacts: Contacts) -> Limit | None:
+def limit_of(part: Groups) -> Limit | None:
     """Return the velocity of one part under weak friction; None where it is not known.
 
-    It is not of a part that hops, runs away or comes back to a wall, and of friction that is not
-    weak.
+    It is not of a part that hops or runs away, and of friction that is not weak.
     """
     if not np.isfinite(sum(part.numbers)) or part.friction_kinetic <= 0.0:
         return None
-    is_held = contacts.wall and part.drive_number_across == 0.0 <= part.gravity_number_across
-    here, angle = (part, np.zeros(())) if is_held else turned(part)
-    cell = _Averaged.of(here, is_held)
+    here, angle = turned(part)
+    cell = _Averaged.of(here)
     if cell.pull.min() <= 0.0:
         return None
     velocity, before = np.zeros(2), np.zeros(2)
@@ -88,8 +86,6 @@ def limit_of(part: Groups, contacts: Contacts) -> Limit | None:
     if not swing <= WEAK * cell.size:
         return None
     along, across = map(float, turn(velocity[0], velocity[1], -angle))
-    if contacts.wall and not is_held and across <= 0.0:
-        return None
     error = float(np.abs(velocity - before).max()) + swing**2 / cell.size
     relative = cell.track[:, 1:] - velocity[:, np.newaxis] - moved
     back, _ = turn(relative[0], relative[1], -angle)
@@ -103,11 +99,10 @@ class _Averaged(NamedTuple):
     share: Array
     pull: Array
     slope: float
-    wall: tuple[float, float, float]
     size: float
 
     @classmethod
-    def of(cls, part: Groups, is_held: bool) -> "_Averaged":
+    def of(cls, part: Groups) -> "_Averaged":
         wave = part.wave
         if wave is None:
             harmonics = np.zeros((3, 2, 1))
@@ -116,23 +111,19 @@ class _Averaged(NamedTuple):
         ends = np.union1d(np.linspace(0.0, waves.TURN, INTERVALS + 1), wave.steps[waves.ENDS])
         share = np.diff(ends) / waves.TURN
         push = waves.push(wave, waves.NORMAL, 0.5 * (ends[1:] + ends[:-1]))
-        wall = (part.wall_friction, part.gravity_number_across, part.curvature_number)
         return cls(
             np.stack([waves.speed(wave, axis, ends) for axis in (waves.ALONG, waves.ACROSS)]),
             share,
             share * part.friction_kinetic * (part.gravity_number_normal - push),
             float(part.gravity_number_along),
-            wall if is_held else (0.0, 0.0, 0.0),
             float(waves.size(wave)),
         )
 
     def force(self, velocity: Array, moved: Array) -> Array:
         """Return friction less slope in each interval, at a velocity and what it moves by."""
-        friction, lean, curvature = self.wall
-        pull = self.pull + self.share * friction * (lean + curvature * velocity[0] ** 2)
         slope = np.array([[self.slope], [0.0]]) * self.share
         ends = self.track - velocity[:, np.newaxis]
-        return pull * _mean_direction(ends[:, :-1] - moved, ends[:, 1:] - moved) - slope
+        return self.pull * _mean_direction(ends[:, :-1] - moved, ends[:, 1:] - moved) - slope
 
     def balance(self, moved: Array) -> Array:
         """Return the velocity at which all forces of a period are in balance; NaN without any."""

@@ -1,6 +1,5 @@
 """A plate that moves parts in any direction: its turns, places on it, and travel over it."""
 
-from vibrafeed.core.quantities.drives import MAX_ORDERS
 from vibrafeed.core.quantities.quantity import Quantity, angle, velocity
 
 ROTATIONS = {
@@ -10,7 +9,7 @@ ROTATIONS = {
 }
 """Small turns of the plate about its origin."""
 
-_ORDERS = range(1, MAX_ORDERS + 1)
+_ORDERS = range(1, 4)
 TURNS: dict[str, Quantity] = {
     **{
         f"amplitude_{turn}_{n}": Quantity(

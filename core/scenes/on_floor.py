@@ -143,7 +143,7 @@ RECTANGLE_SCENE = Scene(
 PLATE_SCENE = Scene(
     name="part-on-plate",
     title="Part on a plate without a wall",
-    source="theory 13",
+    source="",
     validity="A snapshot at the drive's peak for a part at rest relative to the plate. Closed "
     "forms describe the part only while the throw number is below 1.",
     variants={

@@ -367,7 +367,7 @@ def test_what_one_output_needs_is_found_once():
 
 ERRORS = {
     "conveying_velocity_error", "conveying_velocity_spread", "yield_deviation",
-    "transit_time_error", "bottleneck_velocity_error",
+    "transit_time_error", "bottleneck_velocity_error", "velocity_error",
 }  # fmt: skip
 COUNTS = {
     "period_multiple", "impacts_per_period", "impact_count", "platoons", "friction_seed",
