@@ -48,7 +48,7 @@ def in_time() -> set[str]:
     """Return the parameters that motion in time takes in any scene: drives, units, tracks, rows."""
     rows = (f"{stem}_{n + 1}" for stem in NUMBERS for n in range(MAX_NUMBERED))
     registries = [
-        name for one in (DRIVE, BOWL_TRACK, TURNS) for name in one if QUANTITIES[name].parameter
+        name for one in (DRIVE, BOWL_TRACK, PLATE) for name in one if QUANTITIES[name].parameter
     ]
     choosing = ("friction_spread", "friction_seed", *STOP_GAPS)
     return {*registries, *PARAMETERS_OF_UNIT, *choosing, *rows}

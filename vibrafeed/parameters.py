@@ -208,7 +208,8 @@ InTime = TypedDict("InTime", {
     "amplitude_tilt_y_2": degree, "amplitude_tilt_y_3": degree, "phase_yaw_1": degree,
     "phase_yaw_2": degree, "phase_yaw_3": degree, "phase_tilt_x_1": degree,
     "phase_tilt_x_2": degree, "phase_tilt_x_3": degree, "phase_tilt_y_1": degree,
-    "phase_tilt_y_2": degree, "phase_tilt_y_3": degree,
+    "phase_tilt_y_2": degree, "phase_tilt_y_3": degree, "position_x": m, "position_y": m,
+    "target_direction": degree,
 }, total=False)
 _RectangleIsolated = TypedDict("_RectangleIsolated", {
     "frequency": Hz, "amplitude": m, "peak_to_peak": m, "vertical_amplitude": m,
@@ -246,7 +247,6 @@ _PartOnPlate = TypedDict("_PartOnPlate", {
     "vertical_peak_to_peak": m, "alpha": degree, "beta": degree, "gamma": degree, "delta": degree,
     "gravity": m_per_s2, "friction": number, "friction_static": number, "friction_kinetic": number,
     "mass": kg, "restitution": number, "hold_down": m_per_s2, "hold_down_force": N,
-    "target_direction": degree,
 }, total=False)
 class PartOnPlate(_PartOnPlate, InTime, total=False):
     """Part on a plate without a wall."""
