@@ -21,7 +21,7 @@ from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.intake.part import with_part
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, read_rows, with_posteriors
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.measured.csv_table import decoded
+from vibrafeed.core.tables import text_of
 
 # --- Reading what stands in TOML and JSON, from files and from the network.
 
@@ -360,7 +360,7 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
     file = Path(drive["file"])
     if form in REQUESTS:
         try:
-            data = decoded(file.read_bytes())
+            data = text_of(file.read_bytes())
         except (OSError, ValueError) as error:
             raise refused("drive.file", f"{file} cannot be read: {error}", "Name a CSV") from None
         rest = {name: value for name, value in drive.items() if name != "file"}

@@ -10,12 +10,12 @@ from typing import Any
 from vibrafeed.core.errors import Problem, raise_any, refused
 from vibrafeed.core.intake.forms import LARGEST, TOO_LARGE, keys_of_studies, read_content
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
 from vibrafeed.core.study.units import apart, dimension_of, with_own_unit
 from vibrafeed.core.study.values import MAX_POINTS
+from vibrafeed.core.tables import name_and_unit
 
 StudyLike = Study | Mapping[str, Any] | str | os.PathLike[str]
 """What stands for a study; a text is the name of a scene, or the path of a TOML or JSON file."""

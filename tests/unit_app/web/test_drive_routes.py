@@ -42,7 +42,7 @@ def test_a_reply_asks_about_unusual_numbers_and_refuses_contradictions(client):
     warnings = client.post(PATH, json=slow).json()["attributes"]["warnings"]
     assert warnings.startswith("frequency = 0.05 Hz, fitted to data, is unusual; usual values are")
     signal = signal_of(DRIVE)
-    hung = csv_of(signal._replace(accelerations=signal.accelerations - [[0.0], [9.81]]))
+    hung = csv_of(signal._replace(values=signal.values - [[0.0], [9.81]]))
     (told,) = refused(client, study(data=hung))
     assert told["place"] == "drive.normal"
     assert "the channel points downwards" in told["message"]

@@ -37,7 +37,7 @@ def noisy(signal, rng, colour=0.0, size=1.0):
     """Return a signal with noise of variance size^2, each value `colour` times the one before."""
     white = rng.standard_normal((len(signal.axes), signal.times.size + 200))
     noise = lfilter([np.sqrt(1 - colour**2)], [1, -colour], white)[:, 200:]
-    return signal._replace(accelerations=signal.accelerations + size * noise)
+    return signal._replace(values=signal.values + size * noise)
 
 
 # --- known drives
@@ -46,7 +46,7 @@ def noisy(signal, rng, colour=0.0, size=1.0):
 def test_a_drive_without_noise_comes_back_to_nine_digits():
     signal = signal_of(DRIVE, frequency=49.87, start=0.0031)
     drift = np.array([[0.8], [9.8]]) + 0.3 * np.linspace(-1, 1, 800)
-    fit = fit_signal(signal._replace(accelerations=signal.accelerations + drift))
+    fit = fit_signal(signal._replace(values=signal.values + drift))
     assert fit.frequency == pytest.approx(49.87, rel=NEAR)
     assert fit.orders == (1, 2, 3)
     assert fit.significant.all()
@@ -108,8 +108,8 @@ def test_a_guess_chooses_among_whole_parts():
 
 def test_a_line_frequency_settles_what_a_short_recording_leaves_open():
     signal = signal_of(DRIVE, count=450)
-    foreign = signal_of({"along": [(1e-5, 0.0)]}, frequency=25.2, count=450).accelerations
-    signal = signal._replace(accelerations=signal.accelerations + foreign)
+    foreign = signal_of({"along": [(1e-5, 0.0)]}, frequency=25.2, count=450).values
+    signal = signal._replace(values=signal.values + foreign)
     signal = noisy(signal, np.random.default_rng(10), size=0.05)
     # In eleven periods 25.2 Hz could be the half of 50 Hz.
     assert "hold 5.62 periods of 25 Hz" in refusal(signal)
@@ -152,8 +152,8 @@ def test_a_wrong_clock_is_told_and_undone(times):
 def test_uneven_times_are_fitted_where_they_are():
     fine = signal_of(DRIVE, rate=1e6, count=500_000)
     places = np.arange(1000) * 500 + np.random.default_rng(2).integers(0, 150, 1000)
-    times, values = fine.times[places], fine.accelerations[:, places]
-    fit = fit_signal(fine._replace(times=times, accelerations=values))
+    times, values = fine.times[places], fine.values[:, places]
+    fit = fit_signal(fine._replace(times=times, values=values))
     np.testing.assert_allclose(fit.amplitudes, AMPLITUDES, rtol=NEAR)
 
 
@@ -194,7 +194,7 @@ def test_stated_errors_are_as_large_as_true_ones(colour, draws):
     fits = []
     for _ in range(draws):
         signal = signal_of(DRIVE, rate=1000.0, count=500, start=rng.uniform(0, 0.02))
-        signal = noisy(signal._replace(accelerations=signal.accelerations + drift), rng, colour)
+        signal = noisy(signal._replace(values=signal.values + drift), rng, colour)
         # The clock counts too few seconds.
         fits.append(fit_signal(signal._replace(times=signal.times / 1.01, line_frequency=50.0)))
     within = np.abs(counted(fits, 0.01)) < 2.0
@@ -255,7 +255,7 @@ def test_model_and_residual_make_up_the_samples():
     signal = noisy(signal_of(DRIVE, count=500), np.random.default_rng(8))
     fit = fit_signal(signal._replace(times=signal.times + 3.7))
     fold = fit.fold()
-    np.testing.assert_allclose(fit.model(fit.signal.times) + fold.residual, signal.accelerations)
+    np.testing.assert_allclose(fit.model(fit.signal.times) + fold.residual, signal.values)
     assert np.sqrt(np.mean(fold.residual**2)) == pytest.approx(1.0, rel=0.1)
     assert fold.phase.min() >= 0
     assert fold.phase.max() <= 2 * np.pi
@@ -274,7 +274,7 @@ def test_gravity_tells_how_the_track_stands():
     signal = signal_of(three)
     climb, gravity = np.radians(3.0), 9.81
     constant = gravity * np.array([[np.sin(climb)], [0.0], [np.cos(climb)]])
-    fit = fit_signal(signal._replace(accelerations=signal.accelerations + constant))
+    fit = fit_signal(signal._replace(values=signal.values + constant))
     assert fit.tilt.climb == pytest.approx(climb)
     assert fit.tilt.lean == pytest.approx(0, abs=NEAR)
     assert fit.tilt.gravity == pytest.approx(gravity)
@@ -290,9 +290,9 @@ def test_noise_is_not_periodic():
 
 
 def test_another_machine_is_named():
-    both = signal_of({"along": [(1e-4, 0.0)]}).accelerations
+    both = signal_of({"along": [(1e-4, 0.0)]}).values
     other = signal_of({"along": [(5e-5, 0.0)]}, frequency=73.3)
-    text = refusal(other._replace(accelerations=both + other.accelerations))
+    text = refusal(other._replace(values=both + other.values))
     assert "residual" in text
     assert "most at 50 Hz" in text or "most at 73.3 Hz" in text
 
@@ -300,8 +300,7 @@ def test_another_machine_is_named():
 def test_a_drive_that_fades_is_refused_and_one_that_hardly_does_is_not():
     signal = signal_of({"along": [(1e-4, 0.0)]})
     faded = [
-        signal._replace(accelerations=signal.accelerations * np.linspace(1, end, 800))
-        for end in (0.8, 0.97)
+        signal._replace(values=signal.values * np.linspace(1, end, 800)) for end in (0.8, 0.97)
     ]
     assert "the drive is not steady: its rms along is 6.749 m/s2 in the first third" in refusal(
         faded[0]
@@ -312,7 +311,7 @@ def test_a_drive_that_fades_is_refused_and_one_that_hardly_does_is_not():
 def test_a_drive_that_grows_so_much_that_it_is_not_periodic_is_told_to_grow():
     """As a shake table was recorded whose amplitude grew six times over 15 periods."""
     signal = signal_of({"along": [(0.1, 0.0)]}, frequency=1.0, rate=100.0, count=1500)
-    text = refusal(signal._replace(accelerations=signal.accelerations * np.geomspace(1, 6, 1500)))
+    text = refusal(signal._replace(values=signal.values * np.geomspace(1, 6, 1500)))
     assert "the recording is not periodic" in text
     assert "the drive is not steady" in text
 
@@ -353,7 +352,7 @@ def test_channels_at_rest_and_numbers_that_are_none_are_refused():
     still = signal_of({"along": [(0.0, 0.0)]})
     assert "all channels of the recording are constant" in refusal(still)
     broken = signal_of(DRIVE)
-    broken.accelerations[0, 3] = np.nan
+    broken.values[0, 3] = np.nan
     assert "the recording holds values that are not finite" in refusal(broken)
 
 

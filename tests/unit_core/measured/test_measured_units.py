@@ -43,9 +43,9 @@ def refusal(source, **more):
 )  # fmt: skip
 @pytest.mark.parametrize("separator", [",", ";"])
 def test_channels_have_the_units_of_studies(unit, factor, separator):
-    right = signal(table()).accelerations / G * factor
+    right = signal(table()).values / G * factor
     read = signal(table(along=f"ax {unit}", normal=f"az {unit}", separator=separator))
-    np.testing.assert_allclose(read.accelerations, right, rtol=1e-15)
+    np.testing.assert_allclose(read.values, right, rtol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -59,14 +59,14 @@ def test_times_have_the_units_of_studies(unit, factor):
     )
 
 
-def test_the_key_unit_overrules_a_word_that_is_no_unit():
+def test_the_key_unit_overrules_the_heading():
     unknown = table(along="ax [LSB]", normal="az [raw]")
-    np.testing.assert_array_equal(
-        signal(unknown, unit="g").accelerations, signal(table()).accelerations
-    )
+    np.testing.assert_array_equal(signal(unknown, unit="g").values, signal(table()).values)
     assert len(refusal(unknown)) == 2
-    assert "'V' is not a unit of acceleration" in refusal(table(along="ax [V]"), unit="g")[0]
-    assert "has two units: mg in its header" in refusal(table(along="ax [mg]"), unit="g")[0]
+    for other in ("[V]", "[mg]"):
+        np.testing.assert_array_equal(
+            signal(table(along=f"ax {other}"), unit="g").values, signal(table()).values
+        )
     assert "'kg' is not a unit of acceleration" in refusal(unknown, unit="kg")[0]
 
 
@@ -80,7 +80,7 @@ def test_a_rate_is_written_as_recorders_have_it(rate):
 
 def test_a_recording_may_have_true_minus_signs():
     text = table().replace("-", MINUS)
-    np.testing.assert_array_equal(signal(text).accelerations, signal(table()).accelerations)
+    np.testing.assert_array_equal(signal(text).values, signal(table()).values)
 
 
 RUNS = f"amplitude [µm];conveying_velocity [m s-1];gamma [º];error\n100;0,0035;{MINUS}2;5 %\n"
@@ -96,7 +96,7 @@ def test_all_tables_are_read_in_the_encodings_of_spreadsheets(tmp_path, encoding
     runs.write_bytes(text.encode(encoding))
     assert read_rows(runs) == READ
     drive.write_bytes(table(time="time [µs]", along="ax [m/s²]").encode(encoding))
-    assert signal(drive).accelerations[0, 1] == pytest.approx(np.sin(0.314), abs=1e-5)
+    assert signal(drive).values[0, 1] == pytest.approx(np.sin(0.314), abs=1e-5)
 
 
 def test_a_recording_in_windows_1252_is_sent_whole(tmp_path):
@@ -108,7 +108,7 @@ def test_a_recording_in_windows_1252_is_sent_whole(tmp_path):
 
 def test_bytes_that_are_no_text_are_told(tmp_path):
     path = tmp_path / "runs.csv"
-    path.write_bytes("amplitude [mm]\n1\n".encode("utf-16-le"))  # without a mark it may be anything
+    path.write_bytes(b"amplitude [mm]\n1\n\0\n")
     with pytest.raises(StudyError, match="it is not text in UTF-8, UTF-16 or Windows-1252"):
         read_rows(path)
 
@@ -143,7 +143,7 @@ def test_a_row_with_more_cells_than_the_heading_is_refused(tmp_path):
     """0,35 between commas is two cells: the second had been dropped, and 0 mm was read."""
     path = tmp_path / "runs.csv"
     path.write_text("amplitude [mm],conveying_velocity [mm/s]\n0,35,20,5\n")
-    with pytest.raises(StudyError, match=r"row 1 of runs\.csv has more cells than the heading"):
+    with pytest.raises(StudyError, match="line 2 has 4 cells, but the heading has 2"):
         read_rows(path)
     path.write_text("amplitude [mm],conveying_velocity [mm/s]\n0.35,20,,\n")
     assert read_rows(path) == [{"amplitude": "0.35 mm", "conveying_velocity": "20 mm/s"}]

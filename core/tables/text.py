@@ -1,0 +1,211 @@
+"""Lines and cells of a table in text, whatever its encoding, separator and decimal mark."""
+
+import codecs
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from io import StringIO
+from typing import NamedTuple
+
+from vibrafeed.core.errors import StudyError, refused
+
+MAX_BYTES = 50_000_000  # bytes of a file, or characters of a text
+MAX_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten seconds
+MAX_LETTERS = 20_000  # characters of a line
+MAX_ABOVE = 1_000  # lines above the table
+SAMPLED = 50  # lines that show the separator and the form of most rows
+
+SEPARATORS = "\t;|, "
+_NAMED_SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
+_NUMBER = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)([^\d.,:;|\t-][^,;|\t]*)?")
+_CLOCK = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d(?::\d\d.*)?")
+_WORD_WITH_UNIT = re.compile(r"[^\s\[(]+(?:\s?[\[(][^\])]*[\])])?|[\[(][^\])]*[\])]")
+SIGNS = str.maketrans({"\u2212": "-", "\xa0": " ", "\u202f": " "})
+
+
+class Lines(NamedTuple):
+    """The lines of a table, each its number and its cells, and those behind a ``#``."""
+
+    rows: list[tuple[int, list[str]]]
+    remarks: list[tuple[int, list[str]]]
+    separator: str
+
+
+def text_of(raw: bytes) -> str:
+    """Return the text of a table as recorders and spreadsheets write it, with plain minus signs.
+
+    Its encoding is UTF-8, with or without a byte order mark, UTF-16, or Windows-1252. Raises
+    `ValueError` if it is none of them.
+    """
+    wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    # Without a mark, text in UTF-16 has a zero in every other byte, as no other text has.
+    halves = [raw[start:2000:2].count(0) > len(raw[start:2000:2]) // 2 for start in (0, 1)]
+    plain = ("utf-8-sig", "cp1252") if b"\0" not in raw else ()
+    for encoding in ("utf-16",) if wide else ("utf-16-be",) if halves[0] else (
+        ("utf-16-le",) if halves[1] else plain
+    ):  # fmt: skip
+        try:
+            return raw.decode(encoding).translate(SIGNS)
+        except UnicodeDecodeError:
+            continue
+    raise ValueError("it is not text in UTF-8, UTF-16 or Windows-1252")
+
+
+def number_and_unit(cell: str) -> tuple[str, str] | None:
+    """Return the number of a cell, which may have a comma, and the rest; None if it is none."""
+    found = _NUMBER.fullmatch(cell.strip())
+    rest = (found[2] or "") if found else ""
+    return (found[1], rest) if found and not rest.lstrip()[:1].isdigit() else None
+
+
+def is_value(cell: str) -> bool:
+    """True if a cell holds a number, with a unit or without, or a time."""
+    return number_and_unit(cell) is not None or is_clock(cell)
+
+
+def is_clock(cell: str) -> bool:
+    """True if a cell has the form of a date with a time, or of a time of day."""
+    return _CLOCK.fullmatch(cell.strip()) is not None
+
+
+def seconds_of(texts: Sequence[str]) -> list[float] | None:
+    """Return dates with times, or times of day, as seconds from the first; None if they are not."""
+    day = "" if len(texts[0].strip()) > len("00:00:00.000000000") else "2000-01-01T"
+    try:
+        times = [datetime.fromisoformat(day + text.strip().replace(",", ".")) for text in texts]
+        return [(time - times[0]).total_seconds() for time in times]
+    except (TypeError, ValueError):  # the first: some have a time zone, some do not
+        return None
+
+
+def lines_of(text: str, place: str) -> Lines:
+    """Return the cells of all lines of a text; `place` is that of the table, for messages.
+
+    Blank lines are left out. Raises `StudyError` if the text or a line is too long.
+    """
+    if len(text) > MAX_BYTES:
+        raise too_long(place, len(text))
+    rows: list[tuple[int, list[str]]] = []
+    remarks: list[tuple[int, list[str]]] = []
+    named = ""
+    lines: list[tuple[int, str]] = []
+    # A cell of several lines is no number; each line is a row of its own, and keeps its number.
+    for number, line in enumerate(StringIO(text, newline=None), start=1):
+        if len(line) > MAX_LETTERS:
+            raise refused(
+                place, f"line {number} has {len(line):,} letters", "Keep the columns in use"
+            )
+        if not lines and (found := _NAMED_SEPARATOR.fullmatch(line.strip())):
+            named = found[1]
+        elif line.strip(" \t;,\n"):
+            lines.append((number, line.rstrip("\n")))
+        if len(lines) > MAX_ROWS + MAX_ABOVE:
+            break
+    separator = named or _separator([line for _, line in lines])
+    for number, line in lines:
+        bare = line.lstrip()
+        if not bare.startswith("#"):
+            rows.append((number, cells_of(line, separator)))
+        elif len(remarks) < MAX_ABOVE:
+            remarks.append((number, cells_of(bare.lstrip("# \t"), separator)))
+    return Lines(rows, remarks, separator)
+
+
+def too_long(place: str, size: int) -> StudyError:
+    """Return the error of a table of so many bytes."""
+    return refused(
+        place,
+        f"the table has {size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB",
+        "Shorten it: one second of a recording is enough",
+    )
+
+
+def _separator(lines: list[str]) -> str:
+    sampled = [
+        line for line in lines[:: -max(len(lines) // SAMPLED, 1)] if line.lstrip()[:1] != "#"
+    ]
+
+    def values(separator: str) -> int:
+        cells = [cell for line in sampled for cell in cells_of(line, separator) if cell.strip()]
+        return sum(1 if is_value(cell) else -1 for cell in cells)
+
+    best = max(SEPARATORS, key=values)
+    one_column = all(len(cells_of(line, best)) == 1 for line in sampled)
+    return "," if one_column else best
+
+
+def cells_of(line: str, separator: str) -> list[str]:
+    """Return the cells of a line."""
+    if separator == " ":
+        return _WORD_WITH_UNIT.findall(line) if "[" in line or "(" in line else line.split()
+    if '"' in line:
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    return line.split(separator)
+
+
+# --- Decimal marks of a table's columns: a comma cannot part thousands here and decimals there.
+
+
+ONE_MARK = (
+    "Export it without separators of thousands, and the numbers of a column with equally many "
+    "decimals"
+)
+"""What to do where the marks of a table contradict each other."""
+_WITH_MARK = re.compile(r"[-+]?\d*([.,])\d*(?:[eE][-+]?\d+)?")
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}[.,]\d{3}")
+_WHOLE = re.compile(r"[-+]?\d+")
+
+
+def contradictions(columns: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return the contradictions of a table's decimal marks, in words, by the name of a column.
+
+    `columns` holds the cells of each column as they were written. In the cells that are numbers
+    either commas or points are decimal marks. Columns that disagree, or one that has both, part
+    thousands by one of the two; so does a column in which the mark stands before three digits
+    everywhere, never behind a zero, and is missing from whole numbers below a thousand only.
+    """
+    numbers = {
+        name: [found[0] for cell in dict.fromkeys(cells) if (found := number_and_unit(cell))]
+        for name, cells in columns.items()
+    }
+    examples = {name: _examples(cells) for name, cells in numbers.items()}
+    marked = {mark: [n for n, found in examples.items() if mark in found] for mark in ".,"}
+    faults: dict[str, str] = {}
+    for mark, other in (",.", ".,"):
+        for name in marked[mark]:
+            if marked[other]:
+                beside = next((n for n in marked[other] if n != name), name)
+                faults[name] = (
+                    f"column '{name}' has '{examples[name][mark]}' and column '{beside}' "
+                    f"'{examples[beside][other]}': one of the two marks separates thousands"
+                )
+    for name in {*marked[","], *marked["."]} - faults.keys():
+        short = _thousands(numbers[name])
+        if short is not None:
+            seen = next(iter(examples[name].values()))
+            faults[name] = f"column '{name}' has '{seen}' beside '{short}': thousands are separated"
+    return faults
+
+
+def _examples(cells: Sequence[str]) -> dict[str, str]:
+    examples: dict[str, str] = {}
+    for cell in cells:
+        match = _WITH_MARK.fullmatch(cell)
+        if match and match[1] not in examples:
+            examples[match[1]] = cell
+            if len(examples) > 1:
+                break
+    return examples
+
+
+def _thousands(cells: Sequence[str]) -> str | None:
+    short = None
+    for cell in cells:
+        if _WHOLE.fullmatch(cell):
+            if len(cell.lstrip("+-")) > 3:
+                return None
+            short = cell
+        elif not _THOUSANDS.fullmatch(cell):
+            return None
+    return short
