@@ -20,13 +20,19 @@ if TYPE_CHECKING:
 _OPTION = re.compile(r"--([a-z-]+) = ")
 _LIST = re.compile(r'\[("[^\]]*")\]')
 COLUMN = (
-    "Name of the recording's column with the acceleration {}; a minus sign before the name "
+    "Name, or number, of the recording's column with the motion {}; a minus sign before the name "
     "reverses it."
 )
 
 
 def drive(
-    recording: Annotated[Path, typer.Argument(help="CSV of the recording.", show_default=False)],
+    recording: Annotated[
+        Path,
+        typer.Argument(
+            help="File of the recording: CSV, XLSX, LVM, MAT, WAV, TDMS or UFF.",
+            show_default=False,
+        ),
+    ],
     along: Annotated[str | None, typer.Option(help=COLUMN.format("along the track"))] = None,
     normal: Annotated[
         str | None, typer.Option(help=COLUMN.format("normal to the track, upwards"))
@@ -52,9 +58,20 @@ def drive(
     unit: Annotated[
         str | None,
         typer.Option(
-            help="Unit of the accelerations where the column headings name none: g, mg, m "
-            "s-2 or mm s-2."
+            help="Unit of the columns, instead of the one in their headings: g, mg, m s-2 or mm "
+            "s-2; mm/s of velocities; mm or um of displacements; V or mV with --sensitivity."
         ),
+    ] = None,
+    sensitivity: Annotated[
+        str | None,
+        typer.Option(
+            help="Sensitivity of the sensor if the columns are voltages or counts, as in "
+            "'100 mV/g' or '16384 counts/g'."
+        ),
+    ] = None,
+    scale: Annotated[
+        str | None,
+        typer.Option(help="Full scale of a WAV file, as in '8 g', or '5 V' with --sensitivity."),
     ] = None,
     rate: Annotated[
         str | None,
@@ -107,7 +124,7 @@ def drive(
         typer.Option("-o", "--output", help="Write the fitted drive parameters to this TOML file."),
     ] = None,
 ) -> None:
-    """Fit the harmonics of a drive, with errors, to an accelerometer recording.
+    """Fit the harmonics of a drive, with errors, to a recording of a sensor on the track.
 
     Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
     """
@@ -125,6 +142,8 @@ def drive(
         sensor=_split_list(sensor),  # type: ignore[arg-type] # their number is checked by the reader
         mounting=_split_list(mounting),  # type: ignore[arg-type]
         unit=unit,
+        sensitivity=sensitivity,
+        scale=scale,
         rate=rate,
         time=time,
         line_frequency=line_frequency,

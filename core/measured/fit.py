@@ -67,12 +67,15 @@ class StrokeEllipse(NamedTuple):
         Semi-axes [m]: the amplitude along the line of the stroke, and across that line.
     angle : float
         Of the line to the transport direction, upwards [rad], in (-pi/2, pi/2].
+    phase : float
+        By which the motion normal leads the one along [rad], in [-pi, pi).
     """
 
     order: int
     major: float
     minor: float
     angle: float
+    phase: float
 
 
 class Fold(NamedTuple):
@@ -190,6 +193,14 @@ class Fit:
         return np.maximum(np.einsum("jka,jkab,jkb->jk", unit, own, unit), 0.0)
 
     @property
+    def rest(self) -> Array:
+        """The rms of what the fit does not explain, shape (axes,), in the unit of the values."""
+        waves = self.amplitudes * (2.0 * np.pi * self.frequency * np.array(self.orders)) ** (
+            self.signal.derivative
+        )
+        return np.asarray(self.left_over * np.sqrt((waves**2).sum() / 2.0))
+
+    @property
     def stroke(self) -> StrokeEllipse | None:
         """The line of the stroke and its angle; None unless there are axes along and normal.
 
@@ -214,6 +225,7 @@ class Fit:
             major,
             minor,
             float(np.arctan2(2.0 * product.real, sizes[0] - sizes[1]) / 2.0),
+            float(wrap_angle(-np.angle(product))),
         )
 
     def parameters(self) -> dict[str, float]:

@@ -60,7 +60,9 @@ class RecordedDrive(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     file: Path | None = Field(
-        None, description="Its CSV file, in the study's folder; over HTTP give data instead."
+        None,
+        description="Its file, in the study's folder: CSV, XLSX, LVM, MAT, WAV, TDMS or UFF; over "
+        "HTTP give data instead.",
     )
     data: str | None = Field(None, description="The text of the CSV.")
     along: _Column | None = Field(
@@ -78,8 +80,14 @@ class RecordedDrive(BaseModel):
         None, description="Yaw, pitch and roll of the sensor on the track, or its rotation matrix."
     )
     unit: _Column | None = Field(
-        None, description="Of the columns, where their headers do not say: g, mg, m s-2, mm s-2."
+        None,
+        description="Of the columns, instead of that in their headings: g, mg, m s-2, mm s-2; mm/s "
+        "of velocities; mm or um of displacements; V or mV with a sensitivity.",
     )
+    sensitivity: _Column | None = Field(
+        None, description="Of a sensor whose columns are voltages or counts: 100 mV/g."
+    )
+    scale: _Column | None = Field(None, description="Full scale of a WAV file: 8 g.")
     rate: _Number = Field(None, description="Samples per second, if there is no time column.")
     time: _Column | None = Field(None, description="Time column; time or t is found automatically.")
     line_frequency: _Number = Field(

@@ -112,18 +112,19 @@ def _step_of_labview(labels: Mapping[str, list[str]]) -> float:
 
 def _first_of_body(rows: list[Row]) -> int | None:
     sampled = rows[:: -max(len(rows) // SAMPLED, 1)]
-    forms = Counter(tuple(map(is_value, cells[: _filled(cells)])) for _, cells in sampled)
+    forms = Counter(tuple(map(_kind, cells[: _filled(cells)])) for _, cells in sampled)
     form = max(forms, key=lambda form: (any(form), forms[form], len(form)))
     for index, (_, cells) in enumerate(rows):
-        pairs = zip(cells, form, strict=False)
-        values = [is_value(cell) for cell in cells]
-        if (
-            any(values)
-            and _filled(cells) == len(form)
-            and all(is_value(cell) or not cell.strip() for cell, held in pairs if held)
-        ):
+        kinds = [*map(_kind, cells[: _filled(cells)])]
+        same = zip(kinds, form, strict=False)
+        # Cells may be empty where most are not, and text where most are.
+        if any(kinds) and len(kinds) == len(form) and all(k in (None, f) for k, f in same):
             return index
     return None
+
+
+def _kind(cell: str) -> bool | None:
+    return is_value(cell) if cell.strip() else None
 
 
 def _heading(lines: Lines, first: int) -> tuple[list[str], list[str], int]:

@@ -152,7 +152,6 @@ ONE_MARK = (
     "decimals"
 )
 """What to do where the marks of a table contradict each other."""
-_WITH_MARK = re.compile(r"[-+]?\d*([.,])\d*(?:[eE][-+]?\d+)?")
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}[.,]\d{3}")
 _WHOLE = re.compile(r"[-+]?\d+")
 
@@ -169,34 +168,22 @@ def contradictions(columns: Mapping[str, Sequence[str]]) -> dict[str, str]:
         name: [found[0] for cell in dict.fromkeys(cells) if (found := number_and_unit(cell))]
         for name, cells in columns.items()
     }
-    examples = {name: _examples(cells) for name, cells in numbers.items()}
-    marked = {mark: [n for n, found in examples.items() if mark in found] for mark in ".,"}
+    marked = {
+        name: {mark: cell for cell in cells[::-1] for mark in ",." if mark in cell}
+        for name, cells in numbers.items()
+    }
+    first = {mark: name for name in [*marked][::-1] for mark in marked[name]}
     faults: dict[str, str] = {}
-    for mark, other in (",.", ".,"):
-        for name in marked[mark]:
-            if marked[other]:
-                beside = next((n for n in marked[other] if n != name), name)
-                faults[name] = (
-                    f"column '{name}' has '{examples[name][mark]}' and column '{beside}' "
-                    f"'{examples[beside][other]}': one of the two marks separates thousands"
-                )
-    for name in {*marked[","], *marked["."]} - faults.keys():
-        short = _thousands(numbers[name])
-        if short is not None:
-            seen = next(iter(examples[name].values()))
+    for name, found in marked.items():
+        if found and len(first) == 2:
+            shown = " and ".join(
+                f"column '{n}' has '{marked[n][m]}'" for m, n in [*first.items()][::-1]
+            )
+            faults[name] = f"{shown}: one of the two marks separates thousands"
+        elif found and (short := _thousands(numbers[name])) is not None:
+            seen = next(iter(found.values()))
             faults[name] = f"column '{name}' has '{seen}' beside '{short}': thousands are separated"
     return faults
-
-
-def _examples(cells: Sequence[str]) -> dict[str, str]:
-    examples: dict[str, str] = {}
-    for cell in cells:
-        match = _WITH_MARK.fullmatch(cell)
-        if match and match[1] not in examples:
-            examples[match[1]] = cell
-            if len(examples) > 1:
-                break
-    return examples
 
 
 def _thousands(cells: Sequence[str]) -> str | None:

@@ -27,7 +27,8 @@ def test_the_table_tells_numbers_and_errors():
     assert result.exit_code == 0, result.output
     for words in (
         "5,000 samples, 50.1 periods", "frequency: 50 Hz, as given", "% slow",
-        "not explained by the fit: along 2.5 %, across 2.5 %, normal 2.6 % of the drive",
+        "not explained by the fit: along 2.5 %, across 2.5 %, normal 2.6 % of the drive; 0.4",
+        "peak to peak along the line of vibration", "along by",
         "climbs by 3.38 degrees",
         "0.200072", "amplitude (mm)", "phase (°)", "-74.70", "not distinguishable from zero",
     ):  # fmt: skip
@@ -50,8 +51,8 @@ def test_the_stroke_has_a_line_and_unusual_numbers_a_question(tmp_path):
     file.write_text(text)
     axes = ("--along", "ax", "--normal", "az")
     usual = run("drive", file, *axes)
-    assert "line of the stroke: 0.2236" in usual.output
-    assert " mm at 26.56" in usual.output
+    assert "stroke: 0.44721" in usual.output
+    assert "line of vibration, at 26.56" in usual.output
     assert "unusual" not in usual.output
     file.write_text(text.replace("time [s]", "number"))
     told = run("drive", file, *axes)
@@ -69,7 +70,7 @@ def test_a_column_of_times_is_found_by_its_unit_or_name(heading, tmp_path):
     file.write_text(rows, encoding="utf-8")
     found = run("drive", file, "--along", "ax", "--normal", "az")
     assert found.exit_code == 0, found.output
-    assert "line of the stroke: 0.2236" in found.output
+    assert "stroke: 0.44721" in found.output
 
 
 def test_the_toml_is_the_parameters_of_a_study(tmp_path):

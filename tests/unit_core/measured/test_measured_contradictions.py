@@ -170,7 +170,7 @@ def test_commas_of_thousands_beside_decimal_points_are_refused():
     text = table(SIGNAL.times, milli, "time [s];ax [mm/s2];az [mm/s2]", ";", "{:,.0f}")
     told = refused(text, Recording(normal="az"))
     assert told.startswith("time: column 'time' has '0.0'")
-    assert "normal: column 'az' has '" in told
+    assert "\nnormal: column 'time' has '" in told
     assert "one of the two marks separates thousands" in told
     swapped = text.replace(",", "#").replace(".", ",").replace("#", ".")
     assert "one of the two marks separates thousands" in refused(swapped, Recording(normal="az"))
