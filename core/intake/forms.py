@@ -354,6 +354,12 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
         runs = Path(content["observations"])
         moved = read_rows(runs) if form in REQUESTS else _path_from(runs, form, folder)
         content = {**content, "observations": moved}
+    designs = content.get("designs")
+    if isinstance(designs, Mapping) and isinstance(designs.get("file"), str):
+        table = Path(designs["file"])
+        moved = read_rows(table, "designs") if form in REQUESTS else None
+        moved = moved or {"file": _path_from(table, form, folder)}
+        content = {**content, "designs": moved}
     drive = content.get("drive")
     if not isinstance(drive, Mapping) or not isinstance(drive.get("file"), str):
         return dict(content)

@@ -17,6 +17,7 @@ from vibrafeed.core.intake.section import (
     Stranger,
     advice_on_path,
     dotted,
+    file_beside,
     no_field,
     no_parameter,
 )
@@ -25,6 +26,7 @@ from vibrafeed.core.study.distributions import CALIBRATION
 from vibrafeed.core.study.grid_study import CRITERIA, DRIVE_ANGLES, MAX_RUNS, OBSERVED, PARAMETERS
 from vibrafeed.core.study.reduction import LevelSet, Reduction
 from vibrafeed.core.study.units import BARE_NUMBER, UnitError, unit_factor
+from vibrafeed.core.study.values import DESIGN
 from vibrafeed.core.suggestions import nearest
 from vibrafeed.core.tables import Column, read_table, stem_and_unit
 from vibrafeed.core.tables.text import is_value
@@ -91,8 +93,13 @@ def read_rows(path: Path, section: str = "observations") -> list[dict[str, Any]]
 MAX_ROWS = MAX_RUNS + 1  # of a table: more are refused where they are counted
 
 
+_NUMBERS_OF_ROWS = ("design", "nr", "no", "number", "run", "row", "index", "id", "#")
+
+
 def _is_of_remarks(name: str, column: Column) -> bool:
     # A misspelt name of a column of words is no remark.
+    if name.casefold().strip(".") in _NUMBERS_OF_ROWS:
+        return True
     some = [cell for cell in column.cells if str(cell).strip()]
     return not (any(is_value(str(cell)) for cell in some) or nearest(name, _COLUMNS))
 
@@ -117,6 +124,68 @@ def _unknown_column(stranger: Stranger) -> Problem:
         f"'{stranger.name}' is not a parameter, and not measured",
         stranger.suggest(stranger.name, known, shown),
     )
+
+
+# --- The section `designs`: rows of a table, or lists of parameters, whose values belong together.
+
+
+def paired(content: Any) -> tuple[Any, list[Problem]]:
+    """Return the content of a study with designs as values of its parameters, and problems.
+
+    A study lists designs as rows, or names lists of its parameters that are pairs, triples, ...;
+    a file is left as it is.
+    """
+    designs = content.get("designs") if isinstance(content, Mapping) else None
+    rows = designs.get("rows") if isinstance(designs, Mapping) else designs
+    names = designs.get("zip") if isinstance(designs, Mapping) else None
+    if not isinstance(rows, list | tuple) and not isinstance(names, list | tuple):
+        return content, []
+    parameters = content.get("parameters", {})
+    parameters = parameters if isinstance(parameters, Mapping) else {}
+    problems = []
+    if isinstance(names, list | tuple):
+        columns = {letter_of(str(name)): parameters.get(str(name)) for name in names}
+        problems += [
+            Problem("designs.zip", f"{name} is not a list of values", "Give one value a design")
+            for name, values in columns.items()
+            if not isinstance(values, list | tuple)
+        ]
+    else:
+        known = [row for row in rows if isinstance(row, Mapping)]
+        columns = {str(name): [row.get(name) for row in known] for row in known for name in row}
+        problems += [
+            Problem(f"designs row {values.index(None) + 1}", f"it has no {name}", "Give it")
+            for name, values in columns.items()
+            if None in values
+        ]
+        problems += [
+            Problem(
+                f"parameters.{name}", "it is given twice", "Remove it here, or from the designs"
+            )
+            for name in columns
+            if name in parameters
+        ]
+        if not columns:
+            problems.append(Problem("designs", "they have no rows", "Give rows of parameters"))
+    kept = {name: one for name, one in content.items() if name != "designs"}
+    if problems:
+        return kept, problems
+    pairs = {name: {DESIGN: values} for name, values in columns.items()}
+    return {**kept, "parameters": {**parameters, **pairs}}, []
+
+
+def _with_designs(content: Content, files: bool) -> Resolved:
+    designs = content["designs"]
+    if not isinstance(designs, Mapping) or set(designs) != {"file"}:
+        return Resolved(content)
+    rest = {name: one for name, one in content.items() if name != "designs"}
+    try:
+        if not files:
+            raise refused("designs.file", "the service reads no files", "Give rows = [...]")
+        rows = read_rows(Path(str(designs["file"])), "designs")
+    except StudyError as error:
+        return Resolved(rest, error.problems)
+    return Resolved(*paired({**rest, "designs": rows}))
 
 
 # --- The section `uncertain`: from the result of a calibration that a study names to its densities.
@@ -230,6 +299,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
         beside=lambda rows, folder: str(folder / rows) if isinstance(rows, str) else rows,
         resolve=_with_rows,
     ),
+    "designs": Section(names=lambda *_: (), beside=file_beside, resolve=_with_designs),
     "drive": DRIVE,
     "part": PART,
     "criterion": Section(outputs=_looked_for, tags=CRITERIA),
@@ -256,6 +326,8 @@ def in_letters(content: Any) -> tuple[Any, list[Problem]]:
         faults: list[Problem] = []
         if key in ("sensitivities", "reduce"):
             letters[key] = _reduction(raw) if isinstance(raw, Mapping) else _names(raw)
+        elif key == "designs" and isinstance(raw, list | tuple):
+            letters[key], faults = _rows(raw)
         elif key == "observations" and isinstance(raw, Mapping | list | tuple):
             letters[key], faults = _rows([raw] if isinstance(raw, Mapping) else raw)
         elif key in SECTIONS and SECTIONS[key].by_parameter and isinstance(raw, Mapping):

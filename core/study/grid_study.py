@@ -27,7 +27,7 @@ from vibrafeed.core.errors import Problem
 from vibrafeed.core.quantities import QUANTITIES, WORDS, Quantity
 from vibrafeed.core.study.shown import read_shown
 from vibrafeed.core.study.units import UnitError, read_number
-from vibrafeed.core.study.values import Band, Values, is_band, read_values
+from vibrafeed.core.study.values import DESIGN, Band, Values, is_band, read_values
 
 # --- The drive of a study that has been measured: what a user writes of it, and what is kept.
 
@@ -416,6 +416,12 @@ def _values_schema(quantity: Quantity) -> dict[str, Any]:
             {"type": "array", "items": value, "minItems": 1},
             span,
             band,
+            {
+                "type": "object",
+                "properties": {DESIGN: {"type": "array", "items": value, "minItems": 1}},
+                "required": [DESIGN],
+                "additionalProperties": False,
+            },
             *([_PAIR] if "friction" in quantity.label.lower() else []),
         ],
         "examples": list(quantity.examples),
@@ -463,6 +469,35 @@ OutputName = Annotated[str, Field(max_length=100)]
 OutputNames = Annotated[tuple[OutputName, ...], at_most(MAX_OUTPUTS)]
 
 
+_CELL: Final = {"type": "object", "additionalProperties": NUMBER}
+_DESIGNS: Final = {
+    "anyOf": [
+        {"type": "array", "items": _CELL, "minItems": 1},
+        {
+            "type": "object",
+            "properties": {
+                "file": {"type": "string"},
+                "rows": {"type": "array", "items": _CELL, "minItems": 1},
+                "zip": {"type": "array", "items": {"type": "string"}, "minItems": 1},
+            },
+            "minProperties": 1,
+            "maxProperties": 1,
+            "additionalProperties": False,
+        },
+        {"type": "null"},
+    ],
+    "default": None,
+}
+
+
+def _refuse_designs(raw: object) -> None:
+    if raw is not None:
+        raise refusal(
+            "they are neither a table nor lists of parameters",
+            'Write file = "designs.csv", rows = [...], or zip = ["frequency", "amplitude"]',
+        )
+
+
 class Study(Frozen):
     """The fields of every kind of study: a scene, and parameters that may range over a grid."""
 
@@ -474,6 +509,12 @@ class Study(Frozen):
         description="Name of a scene; `vibrafeed scenes` lists them.", max_length=100
     )
     parameters: Parameters = Field(description="Fixed or ranged parameters.")
+    designs: Annotated[None, PlainValidator(_refuse_designs), WithJsonSchema(_DESIGNS)] = Field(
+        None,
+        description="Designs, one a row, instead of all combinations: rows of parameters, a file "
+        "with such rows, or zip, the names of parameters whose lists belong together. They "
+        "become values of the parameters along the axis design.",
+    )
     title: str | None = Field(None, description="Title of the dataset.", max_length=500)
     notes: str | None = Field(
         None, description="Notes that are stored in the dataset.", max_length=5000

@@ -110,7 +110,8 @@ def test_every_problem_is_told_at_once(tmp_path):
         "  --mounting: the mounting is that of a sensor of three columns, which are not given. "
         "Give --sensor=three columns, instead of a column for each axis.",
         "  --along: the table has no column 'bx'. Known: ax, ay, az, time.",
-        "  --unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg, mm/s, mm.",
+        "  --unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg, mm/s, "
+        "mm.",
         "  --harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
         "out.",
     ]

@@ -55,7 +55,7 @@ def both_ways(plan: Plan, grid: Grid, threads: int | None = None):
     expected, got = empty_results(plan, grid), empty_results(plan, grid)
     with np.errstate(all="ignore"):
         evaluate_in_blocks(plan, grid, expected)
-    Fused(plan, traced(plan, grid.axes), grid).run(got, threads)
+    Fused(plan, traced(plan, grid.along), grid).run(got, threads)
     return got, expected
 
 
@@ -78,7 +78,7 @@ def test_loops_give_the_bits_of_numpy(name, variant):
     assert bool(ways[False]) == ((name, variant) in UNTRACED), ways[False]
     plan = plan_of(name, variant, tuple(ways[True]))
     grid = grid_of(plan, 60_000, seed=1)
-    assert Fused(plan, traced(plan, grid.axes), grid).sources or (name, variant) in SHORT
+    assert Fused(plan, traced(plan, grid.along), grid).sources or (name, variant) in SHORT
     got, expected = both_ways(plan, grid)
     assert_same_bits(got, expected)
 
@@ -111,7 +111,7 @@ def test_bits_do_not_depend_on_threads_or_tasks(monkeypatch, threads, task):
     done: list[float] = []
     got, expected = both_ways(plan, grid, threads)
     assert_same_bits(got, expected)
-    Fused(plan, traced(plan, grid.axes), grid).run(got, threads, done.append)
+    Fused(plan, traced(plan, grid.along), grid).run(got, threads, done.append)
     assert sum(done) == pytest.approx(1)
 
 
@@ -129,7 +129,7 @@ def test_long_and_short_axes(shape):
 
 def test_short_distances_need_no_logarithms():
     short, long = (
-        "\n".join(Fused(plan, traced(plan, grid.axes), grid).sources)
+        "\n".join(Fused(plan, traced(plan, grid.along), grid).sources)
         for plan, grid in (track(("travel_time",), speed=0.3, distance=x) for x in (2e-4, 0.3))
     )
     assert "binade(" not in short
@@ -138,7 +138,7 @@ def test_short_distances_need_no_logarithms():
 
 def test_a_part_that_starts_from_rest_needs_one_root():
     moving, resting = (
-        "\n".join(Fused(plan, traced(plan, grid.axes), grid).sources)
+        "\n".join(Fused(plan, traced(plan, grid.along), grid).sources)
         for plan, grid in (track(("transport_velocity",), speed=v) for v in (0.3, 0.0))
     )
     assert resting.count("sqrt(") == 1
@@ -147,7 +147,7 @@ def test_a_part_that_starts_from_rest_needs_one_root():
 
 def test_one_loop_serves_studies_that_differ_in_their_numbers():
     sources = {
-        Fused(plan, traced(plan, grid.axes), grid).sources
+        Fused(plan, traced(plan, grid.along), grid).sources
         for plan, grid in (
             track(("transport_velocity",), radius=r, distance=d, frequency=(f, 99, 9))
             for r, d, f in ((0.8, 2e-4, 20), (0.5, 1e-3, 44))

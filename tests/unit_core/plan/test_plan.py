@@ -402,7 +402,7 @@ class TestScenes:
         used = {name for scene in (*SCENES.values(), *SYSTEMS.values(), on_unit, *bowls, *rows)
                 for v in scene.variants for eq in scene.variants[v]
                 for name in (eq.gives, *eq.inputs)}  # fmt: skip
-        used |= {name for alias in ALIASES for name in alias.inputs}
+        used |= {name for alias in ALIASES for name in alias.inputs} | {"design"}
         used |= {f"{stem}_{n + 1}" for stem in OF_PARTS for n in range(MAX_NUMBERED)}
         for kind in ("amplitude", "acceleration"):
             shape, _ = shape_of(name for name in NUMBERS_OF_DRIVES if name.startswith(kind))
@@ -491,7 +491,7 @@ def test_what_one_output_needs_is_found_once():
     )
     assert plan.only("throw_number") is plan.only("throw_number")
     assert plan.only("throw_number").parameters == DRIVE
-    depends = plan.depends_on(["beta"])
+    depends = plan.depends_on({"beta": "beta"})
     depends["throw_number"] = frozenset()  # the caller's own
-    assert plan.depends_on(["beta"])["throw_number"] == {"beta"}
-    assert plan.depends_on(["frequency"])["throw_number"] == {"frequency"}
+    assert plan.depends_on({"beta": "beta"})["throw_number"] == {"beta"}
+    assert plan.depends_on({"frequency": "frequency"})["throw_number"] == {"frequency"}

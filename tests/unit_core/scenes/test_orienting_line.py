@@ -417,8 +417,11 @@ def test_a_line_knows_its_own_devices_and_is_compiled():
     plan = make_plan("orienting-line", None, outputs, given)
     assert {*plan.parameters} == {*given}
     assert not plan.defaults
-    assert traced(plan, given) is not None
-    assert traced(make_plan("orienting-line", None, outputs, [*given, "device_order"]), given)
+    assert traced(plan, dict(zip(given, given, strict=True))) is not None
+    assert traced(
+        make_plan("orienting-line", None, outputs, [*given, "device_order"]),
+        dict(zip(given, given, strict=True)),
+    )
 
 
 def test_the_ends_of_a_beta_distribution():

@@ -434,7 +434,7 @@ def test_every_output_is_traced_and_agrees_with_fifty_digits():
             if name != "gravity" and not instead_of(name)
         ]
         plan = make_plan(scene.name, variant, scene.outputs(variant), given)
-        assert traced(plan, given) is not None, variant
+        assert traced(plan, dict(zip(given, given, strict=True))) is not None, variant
     found = vibrafeed.sweep(
         scene="resting-part", variant="truncated_cone", diameter="20 mm", frequency=[10, 100],
         small_diameter={"start": "1 mm", "stop": "20 mm", "num": 20}, height=["5 mm", "40 mm"],

@@ -242,7 +242,7 @@ def test_every_output_but_wrenches_is_traced(scene):
     wrenches = re.compile("(floor|force)_(axis|pitch)")
     outputs = [name for name in known.outputs(variant) if not wrenches.match(name)]
     plan = make_plan(scene, variant, outputs, given)
-    assert traced(plan, given) is not None
+    assert traced(plan, dict(zip(given, given, strict=True))) is not None
 
 
 @pytest.mark.parametrize("scene", SCENE_NAMES)

@@ -142,4 +142,9 @@ def test_the_time_of_a_hertz_contact():
 def test_it_runs_at_the_speed_of_sweeps():
     given = ["restitution", "restitution_speed", "impact_speed", "contact_damping_ratio"]
     outputs = ["restitution_at_impact", "restitution_of_damping", "damping_of_restitution"]
-    assert traced(make_plan("soft-contact", None, outputs, given), given) is not None
+    assert (
+        traced(
+            make_plan("soft-contact", None, outputs, given), dict(zip(given, given, strict=True))
+        )
+        is not None
+    )

@@ -145,13 +145,14 @@ def test_keywords_take_words():
             parse_study(gather(None, {**loose, **one}))
 
 
-def test_arrays_of_words_that_belong_together_are_refused():
+def test_arrays_of_words_may_be_designs():
     pairs = {
         "elevation": xarray.DataArray([10, 20], dims="run"),
         "climb": xarray.DataArray([1, 2], dims="run"),
     }
-    with pytest.raises(StudyError, match="along 'run'"):
-        gather(None, {**PLANE, **DRIVE, **pairs})
+    content = gather(None, {**PLANE, **DRIVE, **pairs})
+    assert content["parameters"]["elevation"] == {"design": [10, 20]}
+    assert content["parameters"]["climb"] == {"design": [1, 2]}
 
 
 def test_messages_say_what_the_user_wrote():
