@@ -15,7 +15,7 @@ from vibrafeed.app.cli.studies import refuse, warn
 from vibrafeed.core.errors import Problem, StudyError
 
 if TYPE_CHECKING:
-    from vibrafeed.core.measured import Fit, Recording
+    from vibrafeed.core.measured import Fit, Recording, RingDown
 
 _OPTION = re.compile(r"--([a-z-]+) = ")
 _LIST = re.compile(r'\[("[^\]]*")\]')
@@ -105,6 +105,24 @@ def drive(
             "recording can resolve."
         ),
     ] = None,
+    ring_down: Annotated[
+        bool,
+        typer.Option(
+            "--ring-down",
+            help="Fit the free vibration after a knock on the feeder: natural frequency and "
+            "damping ratio.",
+        ),
+    ] = False,
+    loaded: Annotated[
+        Path | None,
+        typer.Option(
+            help="With --ring-down: recording of a knock with --added-mass on the feeder; it gives "
+            "the moving mass."
+        ),
+    ] = None,
+    added_mass: Annotated[
+        str | None, typer.Option(help="With --loaded: the mass that was added, as in '2 kg'.")
+    ] = None,
     plot: Annotated[
         Path | None,
         typer.Option(
@@ -128,7 +146,7 @@ def drive(
 
     Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
     """
-    from vibrafeed.app.cli.drives import document_of, show_fit, toml_of
+    from vibrafeed.app.cli.drives import document_of, show_fit, show_ring_down, toml_of
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.intake.section import channel_questions
     from vibrafeed.core.measured import Recording
@@ -150,6 +168,12 @@ def drive(
         frequency=frequency,
         harmonics=harmonics,
     )
+    if ring_down:
+        found = _fit_ring_down(recording, asked, loaded, added_mass, plot)
+        lines = show_ring_down(recording, *found, toml=toml, as_json=as_json)
+        if output is not None:
+            _write(output, lines, quiet=toml or as_json)
+        return
     fit = _fit_recording(recording, asked, plot)
     warn(recording, questions_of_drive(fit.parameters(), recording.name) + channel_questions(fit))
     lines = toml_of(fit, recording)
@@ -159,16 +183,71 @@ def drive(
         console.document(document_of(fit, recording))
     else:
         show_fit(fit, recording, shown)
+    if output is not None:
+        _write(output, lines, quiet=toml or as_json)
     try:
-        if output is not None:
-            output.write_text(lines + "\n", encoding="utf-8")
-            typer.echo(f"wrote {output}", err=toml or as_json)
         if plot is not None:
             _save_picture(fit, plot)
             typer.echo(f"wrote {plot}", err=toml or as_json)
     except OSError as error:
         console.fail(f"{error.filename or recording}: {error.strerror or error}.")
         raise typer.Exit(FAILED) from None
+
+
+def _write(output: Path, lines: str, *, quiet: bool) -> None:
+    """Write the lines of a TOML file, and say so; exit with a message if that is not possible."""
+    try:
+        output.write_text(lines + "\n", encoding="utf-8")
+    except OSError as error:
+        console.fail(f"{output}: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+    typer.echo(f"wrote {output}", err=quiet)
+
+
+def _fit_ring_down(
+    recording: Path,
+    asked: "Recording",
+    loaded: Path | None,
+    added_mass: str | None,
+    plot: Path | None,
+) -> "tuple[RingDown, tuple[float, float] | None]":
+    """Return the free vibration in a recording, and the moving mass with its error [kg], if known.
+
+    `loaded` is the recording with `added_mass` on the feeder; `plot` is refused. Prints every
+    problem and exits if there is one.
+    """
+    from vibrafeed.core.measured import fit_ring_down, moving_mass
+    from vibrafeed.core.quantities import QUANTITIES
+    from vibrafeed.core.study.units import UnitError, read_number
+
+    problems: dict[Path, list[Problem]] = {recording: []}
+    if plot is not None:
+        problems[recording].append(Problem("--plot", "a ring-down has no picture", "Leave it out"))
+    if (loaded is None) != (added_mass is None):
+        fix = "Give both, or neither"
+        problems[recording].append(Problem("--loaded", "it needs --added-mass", fix))
+    mass = 0.0
+    if added_mass is not None:
+        try:
+            mass = read_number("--added-mass", QUANTITIES["moving_mass"], added_mass)
+        except UnitError as error:
+            problems[recording].append(Problem("--added-mass", error.message, error.fix))
+    fits = []
+    for file in filter(None, (recording, loaded)):
+        try:
+            fits.append(fit_ring_down(file, asked))
+        except StudyError as error:
+            problems[file] = [*problems.get(file, []), *map(_of_options, error.problems)]
+        except OSError as error:
+            message = f"it cannot be read: {error.strerror or error}"
+            problems[file] = [Problem("recording", message, "Name a recording")]
+    found = {file: some for file, some in problems.items() if some}
+    if found:
+        refuse(found)
+    try:
+        return fits[0], moving_mass(fits[0], fits[1], mass) if loaded is not None else None
+    except StudyError as error:
+        refuse({recording: [replace(one, place="--added-mass") for one in error.problems]})
 
 
 def _save_picture(fit: "Fit", plot: Path) -> None:

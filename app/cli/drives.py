@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from vibrafeed import core
-from vibrafeed.app.cli.console import say, table
-from vibrafeed.core.measured import Fit
+from vibrafeed.app.cli.console import document, say, table
+from vibrafeed.core.measured import Fit, RingDown
 from vibrafeed.core.study.shown import ShownUnits
 
 MICRO = 1e6  # micrometres in a metre
@@ -137,6 +137,50 @@ def _peak_to_peak(amplitude: float, error: float, units: ShownUnits) -> str:
 def _with_error(value: str, error: str) -> str:
     """Return a value with its error, if that is known."""
     return f"{value} {PLUS_MINUS} {error}" if error else value
+
+
+def show_ring_down(
+    recording: Path,
+    found: RingDown,
+    mass: tuple[float, float] | None,
+    *,
+    toml: bool,
+    as_json: bool,
+) -> str:
+    """Print the free vibration of a struck feeder; return its parameters as TOML.
+
+    `mass` is the moving mass with its error [kg], if it is known. `toml` prints the parameters
+    only, `as_json` a JSON document.
+    """
+    each = [
+        ("ring_down_frequency", "natural frequency", "Hz",
+         found.natural_frequency, found.natural_frequency_error),
+        ("damping_ratio", "damping ratio", "", found.damping_ratio, found.damping_ratio_error),
+    ]  # fmt: skip
+    if mass is not None:
+        each.append(("moving_mass", "moving mass", "kg", *mass))
+    lines = [f"# Fitted to {recording.name!a} by vibrafeed {core.__version__}", "[parameters]"]
+    texts = {name: _round_to_error(value, error) for name, _, _, value, error in each}
+    for name, _, unit, _, _ in each:
+        value, error = (f"{text} {unit}".strip() for text in texts[name])
+        lines.append(_toml_line(name, value, error))
+    text = "\n".join(lines)
+    if toml:
+        say(text)
+    elif as_json:
+        numbers = {name: value for name, _, _, value, _ in each}
+        errors = {f"{name}_error": error for name, _, _, _, error in each}
+        more = {"other_frequencies": [*found.other_frequencies], "left_over": found.left_over}
+        document({"recording": str(recording), **numbers, **errors, **more})
+    else:
+        say(f"{recording}: {found.samples:,} samples from {found.start:.4g} s")
+        for name, label, unit, _, _ in each:
+            say(f"  {label}: {_with_error(*texts[name])} {unit}".rstrip())
+        others = ", ".join(f"{one:.4g} Hz" for one in found.other_frequencies)
+        if others:
+            say(f"  other modes: {others}")
+        say(f"  not explained by the fit: {PERCENT * found.left_over:.2g} % of the ring-down")
+    return text
 
 
 def toml_of(fit: Fit, recording: Path) -> str:
