@@ -270,7 +270,7 @@ def _fit_recording(recording: Path, asked: "Recording", plot: Path | None) -> "F
     one is wanted.
     """
     from vibrafeed.core.measured import fit_drive
-    from vibrafeed.core.tables import read_table
+    from vibrafeed.core.tables.read import read_table
 
     problems = _problems_of_picture(plot)
     try:

@@ -84,13 +84,13 @@ def facts(fit: Fit, units: ShownUnits | None = None) -> Iterator[tuple[str, str]
         shown = _with_error(*_round_to_error(*angle))
         yield "stroke", f"{line} along the line of vibration, at {shown} degrees{order}"
     else:
-        each = (
+        strokes = (
             f"{_peak_to_peak(float(size), float(error), units)} {axis}"
             for axis, size, error in zip(
                 fit.axes, fit.amplitudes[:, 0], fit.amplitude_errors[:, 0], strict=True
             )
         )
-        yield "stroke", ", ".join(each)
+        yield "stroke", ", ".join(strokes)
     frequency, error = _round_to_error(fit.frequency, fit.frequency_error)
     yield "frequency", f"{frequency} Hz" + (f" {PLUS_MINUS} {error} Hz" if error else ", as given")
     if stroke is not None:

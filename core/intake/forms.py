@@ -21,7 +21,7 @@ from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.intake.part import with_part
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, read_rows, with_posteriors
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.tables import text_of
+from vibrafeed.core.tables.text import text_of
 
 # --- Reading what stands in TOML and JSON, from files and from the network.
 
@@ -357,9 +357,9 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
     designs = content.get("designs")
     if isinstance(designs, Mapping) and isinstance(designs.get("file"), str):
         table = Path(designs["file"])
-        moved = read_rows(table, "designs") if form in REQUESTS else None
-        moved = moved or {"file": _path_from(table, form, folder)}
-        content = {**content, "designs": moved}
+        there = {"file": _path_from(table, form, folder)}
+        kept = read_rows(table, "designs") if form in REQUESTS else there
+        content = {**content, "designs": kept}
     drive = content.get("drive")
     if not isinstance(drive, Mapping) or not isinstance(drive.get("file"), str):
         return dict(content)

@@ -15,7 +15,7 @@ from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
 from vibrafeed.core.study.units import apart, dimension_of, with_own_unit
 from vibrafeed.core.study.values import DESIGN, MAX_POINTS
-from vibrafeed.core.tables import name_and_unit
+from vibrafeed.core.tables.headings import name_and_unit
 
 StudyLike = Study | Mapping[str, Any] | str | os.PathLike[str]
 """What stands for a study; a text is the name of a scene, or the path of a TOML or JSON file."""

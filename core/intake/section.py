@@ -23,7 +23,8 @@ from vibrafeed.core.study.grid_study import (
 from vibrafeed.core.study.units import UnitError, read_numbers
 from vibrafeed.core.study.unusual import leaves_of
 from vibrafeed.core.suggestions import Suggestions
-from vibrafeed.core.tables import Table, read_table
+from vibrafeed.core.tables.read import read_table
+from vibrafeed.core.tables.table import Table
 
 Content = dict[str, Any]
 """What stands in a study: its keys and their values, as a file or request has them."""

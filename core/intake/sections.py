@@ -28,7 +28,9 @@ from vibrafeed.core.study.reduction import LevelSet, Reduction
 from vibrafeed.core.study.units import BARE_NUMBER, UnitError, unit_factor
 from vibrafeed.core.study.values import DESIGN
 from vibrafeed.core.suggestions import nearest
-from vibrafeed.core.tables import Column, read_table, stem_and_unit
+from vibrafeed.core.tables.headings import stem_and_unit
+from vibrafeed.core.tables.read import read_table
+from vibrafeed.core.tables.table import Column
 from vibrafeed.core.tables.text import is_value
 
 # --- The section `observations`: rows of a study, or of a CSV or XLSX file with a heading.
@@ -136,7 +138,7 @@ def paired(content: Any) -> tuple[Any, list[Problem]]:
     a file is left as it is.
     """
     designs = content.get("designs") if isinstance(content, Mapping) else None
-    rows = designs.get("rows") if isinstance(designs, Mapping) else designs
+    rows: Any = designs.get("rows") if isinstance(designs, Mapping) else designs
     names = designs.get("zip") if isinstance(designs, Mapping) else None
     if not isinstance(rows, list | tuple) and not isinstance(names, list | tuple):
         return content, []
@@ -144,7 +146,9 @@ def paired(content: Any) -> tuple[Any, list[Problem]]:
     parameters = parameters if isinstance(parameters, Mapping) else {}
     problems = []
     if isinstance(names, list | tuple):
-        columns = {letter_of(str(name)): parameters.get(str(name)) for name in names}
+        columns: dict[str, Any] = {
+            letter_of(str(name)): parameters.get(str(name)) for name in names
+        }
         problems += [
             Problem("designs.zip", f"{name} is not a list of values", "Give one value a design")
             for name, values in columns.items()

@@ -23,7 +23,7 @@ from vibrafeed.core.measured.harmonics import (
 )
 from vibrafeed.core.measured.recording import STANDARD_GRAVITY, Recording, Signal, read_signal
 from vibrafeed.core.measured.validity import SIZE, check_before, check_fit, check_orders
-from vibrafeed.core.tables import Table
+from vibrafeed.core.tables.table import Table
 
 # --- A drive as a recording tells it: harmonics, their errors, and what is left over.
 

@@ -17,8 +17,10 @@ from vibrafeed.core.measured.times import LEAST_SAMPLES, Times, read_times
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.quantities.quantity import angle
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
-from vibrafeed.core.tables import Table, read_table, stem_and_unit
 from vibrafeed.core.tables.files import FULL_SCALE
+from vibrafeed.core.tables.headings import stem_and_unit
+from vibrafeed.core.tables.read import read_table
+from vibrafeed.core.tables.table import Table
 
 # --- Detects a channel that was driven beyond its range.
 
@@ -450,17 +452,17 @@ def _amount(text: str | None, name: str) -> tuple[float, str]:
 def _by_sensitivity(text: str, unit: str, factor: float) -> tuple[float, int]:
     # "100 mV/g" is signal over quantity, "5 mm/s/V" quantity over signal.
     found = _SENSITIVITY.fullmatch(text.strip())
-    for kind, quantity in _KINDS.items() if found else ():
+    number, own, measured_in = found.groups() if found else ("1", "", "")
+    for kind, quantity in _KINDS.items():
         try:
-            measured = float(unit_factor("sensitivity", quantity, found[3]))
+            measured = float(unit_factor("sensitivity", quantity, measured_in))
         except UnitError:
             continue
-        own, column = found[2].casefold(), unit.casefold()
-        if own in _COUNTS and column in _COUNTS:
-            return factor * measured / float(found[1]), kind
-        volts, of_column = _volts(found[2]), _volts(unit or "V")
+        if own.casefold() in _COUNTS and unit.casefold() in _COUNTS:
+            return factor * measured / float(number), kind
+        volts, of_column = _volts(own), _volts(unit or "V")
         if volts is not None and of_column is not None:
-            return factor * of_column / volts * measured / float(found[1]), kind
+            return factor * of_column / volts * measured / float(number), kind
     raise refused(
         "sensitivity",
         f"'{text[:40]}' is not a sensitivity for channels in {unit or 'counts'}",

@@ -11,7 +11,7 @@ from vibrafeed.core.errors import refused
 from vibrafeed.core.measured.harmonics import Array, density_near
 from vibrafeed.core.measured.recording import Recording, Signal, read_signal
 from vibrafeed.core.measured.validity import check_before
-from vibrafeed.core.tables import Table
+from vibrafeed.core.tables.table import Table
 
 MAX_MODES = 4  # of a feeder that rocks and bends beside its stroke
 LEAST_PERIODS = 5.0  # of the ring-down

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from vibrafeed.core.errors import StudyError, refused
 from vibrafeed.core.quantities import Quantity
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
-from vibrafeed.core.tables import Table, stem_and_unit
+from vibrafeed.core.tables.headings import stem_and_unit
+from vibrafeed.core.tables.table import Table
 
 RATE = Quantity(
     "Hz", "f_s", "Sampling rate", "Samples a second.", 0.0, strict=True, parameter=True,
@@ -89,9 +90,9 @@ def read_times(table: Table, rate: float | str | None, time: str | None) -> Time
         except UnitError as error:
             raise StudyError([problem("rate", error)]) from None
     name = time or _column_of_times(table)
-    is_empty = name in table.columns and table.is_faulty(name)
+    is_empty = name is not None and name in table.columns and table.is_faulty(name)
     if table.step > 0.0 and time is None and (name is None or is_empty):
-        return Times(np.arange(count) * table.step)
+        return Times(np.arange(count, dtype=np.float64) * table.step)
     if name is None:
         raise refused(
             "rate",

@@ -32,16 +32,12 @@ def workbook(path: Path, place: str) -> list[tuple[int, list[str]]]:
 
 def _shown_cell(cell: Any) -> str:
     value = cell.value
-    if hasattr(value, "isoformat"):
-        return str(value.isoformat())
     if isinstance(value, int | float) and "%" in str(cell.number_format):
         return f"{100 * value:.15g} %"
     return "" if value is None else str(value)
 
 
 def _unreadable(path: Path, place: str, error: Exception) -> StudyError:
-    if isinstance(error, OSError) and error.errno is not None:
-        raise error
     if isinstance(error, ModuleNotFoundError) and error.name in _PACKAGES:
         package = error.name
         message = f"reading {_PACKAGES[package]} needs {package}, which is not installed"
@@ -65,7 +61,7 @@ def _of_wav(path: Path) -> tuple[dict[str, Column], float]:
 def _of_mat(path: Path) -> tuple[dict[str, Column], float]:
     from scipy.io import loadmat
 
-    columns = {}
+    columns: dict[str, Column] = {}
     for name, values in loadmat(path).items():
         if name.startswith("__") or getattr(values, "dtype", np.dtype("O")).kind not in "iuf":
             continue
@@ -82,11 +78,10 @@ def _of_tdms(path: Path) -> tuple[dict[str, Column], float]:
     channels = [one for group in TdmsFile.read(path).groups() for one in group.channels()]
     columns = {}
     for channel in channels:
-        values = channel[:]
+        values, unit = channel[:], str(channel.properties.get("unit_string", ""))
         if values.dtype.kind == "M":
-            values = (values - values[0]) / np.timedelta64(1, "s")
-        unit = "s" if channel[:].dtype.kind == "M" else channel.properties.get("unit_string", "")
-        columns[channel.name] = Column(values, str(unit))
+            values, unit = (values - values[0]) / np.timedelta64(1, "s"), "s"
+        columns[channel.name] = Column(values, unit)
     steps = [float(one.properties.get("wf_increment", 0.0)) for one in channels]
     return columns, max(steps, default=0.0)
 
@@ -127,7 +122,7 @@ def read_numbers(path: Path, place: str) -> Table:
     lengths = [len(column.cells) for column in columns.values()]
     count = max(lengths, key=lambda length: (lengths.count(length), length), default=0)
     if not 0 < count <= MAX_ROWS:
-        message = f"{path.name} has {count:,} samples a channel"
-        raise refused(place, message, f"Give channels of 1 to {MAX_ROWS:,} samples")
-    kept = {name: one for name, one in columns.items() if len(one.cells) == count}
-    return Table(kept, np.arange(1, count + 1), place, step=step)
+        fix = f"Give channels of 1 to {MAX_ROWS:,} samples"
+        raise refused(place, f"{path.name} has {count:,} samples a channel", fix)
+    columns = {name: one for name, one in columns.items() if len(one.cells) == count}
+    return Table(columns, np.arange(1, count + 1), place, step=step)

@@ -9,8 +9,25 @@ from vibrafeed.core.study.units import WORDS
 
 _IN_BRACKETS = re.compile(r"(\[[^\[\]]*\]|[\[(][^\[\]()]*[\])])\Z")
 _LETTERS = re.compile(r"[^\W\d_]+|[°%]")
-_MORE_UNITS = "G gn Gal sec Sec ns V mV µm µs vpm spm parts"
-UNIT_WORDS: Final = frozenset((*WORDS, *_MORE_UNITS.split(), "%"))
+UNIT_WORDS: Final = frozenset(
+    (
+        *WORDS,
+        "G",
+        "gn",
+        "Gal",
+        "sec",
+        "Sec",
+        "ns",
+        "V",
+        "mV",
+        "µm",
+        "µs",
+        "vpm",
+        "spm",
+        "parts",
+        "%",
+    )
+)
 """Words that are units in a row below the names of columns."""
 ENDINGS: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -30,7 +47,6 @@ ENDINGS: Final[Mapping[str, str]] = MappingProxyType(
     }
 )  # fmt: skip
 """Ends of the names of columns that are units, as in ``acc_x_g``, ``time_ms`` and ``ax / g``."""
-_BY_LENGTH = sorted(ENDINGS, key=len, reverse=True)
 
 
 def name_and_unit(heading: str) -> tuple[str, str]:
@@ -55,7 +71,7 @@ def stem_and_unit(name: str) -> tuple[str, str]:
     """
     plain = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).casefold()
     plain = re.sub(r"[\s.,:/\-_()]+", "_", plain).strip("_")
-    for word in _BY_LENGTH:
+    for word in sorted(ENDINGS, key=len, reverse=True):
         if plain == word and len(word) > 2:
             return "", ENDINGS[word]
         if plain.endswith("_" + word):

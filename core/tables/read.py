@@ -6,17 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
-from vibrafeed.core.errors import Problem, raise_any, refused
+from vibrafeed.core.errors import refused
 from vibrafeed.core.tables import text as texts
 from vibrafeed.core.tables.files import SUFFIXES, read_numbers, workbook
 from vibrafeed.core.tables.headings import is_row_of_units, name_and_unit
-from vibrafeed.core.tables.table import SHOWN, Column, Table
-from vibrafeed.core.tables.text import SAMPLED, Lines, is_value, lines_of, text_of
+from vibrafeed.core.tables.table import SEMICOLONS, Column, Table
+from vibrafeed.core.tables.text import SAMPLED, Lines, is_value, lines_of, number_and_unit, text_of
 
-MAX_COLUMNS = 256  # columns of a table
 REMARKS = ("comment", "comments", "remark", "remarks", "note", "notes", "bemerkung")
 """Names of columns of remarks, which rows need not have."""
-_SEMICOLONS = "Where a comma is a decimal comma, separate the cells by semicolons"
+SHORTEN = "Shorten it: one second of a recording is enough"
 
 Row = tuple[int, list[str]]
 
@@ -41,30 +40,27 @@ def read_table(source: str | Path, place: str = "recording") -> Table:
     Raises
     ------
     StudyError
-        If it is no table, or larger than 50 MB, 500,000 rows or 256 columns.
+        If it is no table, or larger than 50 MB or 500,000 rows.
     OSError
         If the file cannot be read.
     """
     if isinstance(source, str):
         return _parted(lines_of(source.removeprefix("\ufeff").translate(texts.SIGNS), place), place)
-    if source.stat().st_size > texts.MAX_BYTES:
-        raise texts.too_long(place, source.stat().st_size)
+    with source.open("rb") as file:  # no more is read than is allowed, whatever the file is
+        raw = file.read(texts.MAX_BYTES + 1)
+    if len(raw) > texts.MAX_BYTES:
+        size = f"{source.stat().st_size / 1e6:,.0f} MB, the limit is {texts.MAX_BYTES / 1e6:.0f} MB"
+        raise refused(place, f"the table has {size}", SHORTEN)
     suffix = source.suffix.lower()
     if suffix == ".xlsx":
         return _parted(Lines(workbook(source, place), [], "\t"), place)
     if suffix in SUFFIXES:
         return read_numbers(source, place)
-    with source.open("rb") as file:  # no more is read than is allowed, whatever the file is
-        raw = file.read(texts.MAX_BYTES + 1)
-    if len(raw) > texts.MAX_BYTES:
-        raise texts.too_long(place, len(raw))
     try:
-        text = text_of(raw)
-    except ValueError as error:
-        raise refused(
-            place, f"{source.name}: {error}", "Export the table as CSV, in UTF-8"
-        ) from None
-    return _parted(lines_of(text, place), place)
+        return _parted(lines_of(text_of(raw), place), place)
+    except UnicodeError as error:
+        fix = "Export the table as CSV, in UTF-8"
+        raise refused(place, f"{source.name}: {error}", fix) from None
 
 
 def _parted(lines: Lines, place: str) -> Table:
@@ -78,12 +74,8 @@ def _parted(lines: Lines, place: str) -> Table:
     width = len(header) or _filled(rows[first][1])
     # A line of another width that holds no number is a remark.
     body = [row for row in rows[start:] if len(row[1]) == width or any(map(is_value, row[1]))]
-    if width > MAX_COLUMNS:
-        fix = f"Keep the {MAX_COLUMNS} that are used at most"
-        raise refused(place, f"it has {width:,} columns", fix)
     if len(body) > texts.MAX_ROWS:
-        fix = "Shorten the recording: one second is enough"
-        raise refused(place, f"it has more than {texts.MAX_ROWS:,} rows", fix)
+        raise refused(place, f"it has more than {texts.MAX_ROWS:,} rows", SHORTEN)
     _check_rows(body, width, place)
     names = header or [str(number) for number in range(1, width + 1)]
     above = rows[:start]
@@ -104,10 +96,8 @@ def _units_of_labview(labels: Mapping[str, list[str]], names: list[str]) -> list
 
 
 def _step_of_labview(labels: Mapping[str, list[str]]) -> float:
-    try:
-        return float(labels["Delta_X"][0].replace(",", "."))
-    except (KeyError, IndexError, ValueError):
-        return 0.0
+    found = number_and_unit((labels.get("Delta_X") or [""])[0])
+    return float(found[0].replace(",", ".")) if found else 0.0
 
 
 def _first_of_body(rows: list[Row]) -> int | None:
@@ -157,17 +147,11 @@ def _can_name(cells: Sequence[str], width: int, widest: int) -> bool:
 
 def _check_rows(body: Sequence[Row], width: int, place: str) -> None:
     odd = [(line, len(row)) for line, row in body if any(map(is_value, row[width:]))]
-    problems = [
-        Problem(
-            place,
-            f"line {line} has {count} cell{'s' * (count != 1)}, but the heading has {width}",
-            f"Correct the line. {_SEMICOLONS}",
-        )
-        for line, count in odd[:SHOWN]
-    ]
-    if len(odd) > SHOWN:
-        problems.append(Problem(place, f"{len(odd):,} lines have too many cells", _SEMICOLONS))
-    raise_any(problems)
+    if odd:
+        line, count = odd[0]
+        more = f" ({len(odd):,} such lines)" if len(odd) > 1 else ""
+        message = f"line {line} has {count} cells, but the heading has {width}{more}"
+        raise refused(place, message, SEMICOLONS)
 
 
 def _table(
@@ -183,15 +167,15 @@ def _table(
     padding = [""] * width
     cells = zip(*([*row, *padding][:width] for _, row in body), strict=True)
     columns: dict[str, Column] = {}
-    commas = separator != ","
+    written: dict[str, tuple[str, ...]] = {}
     for heading, under, column in zip(names, [*units, *padding], cells, strict=False):
         name, unit = name_and_unit(heading)
-        if name in columns and column != columns[name].cells:
+        if name in columns and column != written[name]:
             fault = f"two columns have the name '{name}'"
             columns[name] = Column(column, "", fault, "Rename one")
         elif name:
-            columns[name] = Column(column, unit or under.strip())
-    for name, fault in texts.contradictions({n: c.cells for n, c in columns.items()}).items():
-        columns[name] = Column(columns[name].cells, "", fault, texts.ONE_MARK)
+            columns[name], written[name] = Column(column, unit or under.strip()), column
+    for name, fault in texts.contradictions(written).items():
+        columns[name] = Column(written[name], "", fault, texts.ONE_MARK)
     lines = np.array([line for line, _ in body])
-    return Table(columns, lines, place, commas, note, step)
+    return Table(columns, lines, place, separator != ",", note, step)

@@ -12,7 +12,7 @@ from vibrafeed.core.study.units import BARE_NUMBER, with_unit
 from vibrafeed.core.suggestions import suggestion
 from vibrafeed.core.tables.text import is_clock, number_and_unit, seconds_of
 
-SHOWN = 3  # faults of a column that are listed one by one
+SEMICOLONS = "Where a comma is a decimal comma, separate the cells by semicolons"
 
 
 @dataclass(frozen=True)
@@ -89,30 +89,13 @@ class Table:
         column = self.column(name, path)
         values = self._values(column)
         unit = "s" if len(values) and is_clock(str(column.cells[0])) else column.unit
-        wrong = np.flatnonzero(~np.isfinite(values))
-        problems = [
-            Problem(
-                path,
-                f"line {self.lines[row]} of column '{name}' is not a number: "
-                f"{str(column.cells[row]).strip()[:40]!r}",
-                "Correct the line, or remove it",
-                name,
-            )
-            for row in wrong[:SHOWN]
-        ]
-        if wrong.size > SHOWN:
-            with_comma = any("," in str(column.cells[row]) for row in wrong)
-            problems.append(
-                Problem(
-                    path,
-                    f"{wrong.size:,} cells of column '{name}' are not finite numbers",
-                    "Where a comma is a decimal comma, separate the cells by semicolons"
-                    if with_comma
-                    else "Export the table again",
-                    name,
-                )
-            )
-        raise_any(problems)
+        wrong = np.flatnonzero(~np.isfinite(values)).tolist()
+        if wrong:
+            cell = str(column.cells[wrong[0]]).strip()[:40]
+            more = f" ({len(wrong):,} such cells)" if len(wrong) > 1 else ""
+            message = f"line {self.lines[wrong[0]]} of column '{name}' is not a number: {cell!r}"
+            fix = SEMICOLONS if "," in cell else "Correct the line, or remove it"
+            raise refused(path, message + more, fix, name)
         return values, unit
 
     def rows(self) -> list[dict[str, Any]]:
@@ -146,12 +129,7 @@ class Table:
         try:
             return np.fromiter(map(float, texts), np.float64, len(texts))
         except ValueError:
+            import pandas  # takes long to load, and few columns hold anything but numbers
+
             seconds = seconds_of(cells) if all(map(is_clock, cells)) else None
-        return np.array(seconds or [_number(text) for text in texts], dtype=np.float64)
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return np.nan
+        return np.asarray(seconds or pandas.to_numeric([*texts], errors="coerce"), np.float64)

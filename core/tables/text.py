@@ -8,7 +8,7 @@ from datetime import datetime
 from io import StringIO
 from typing import NamedTuple
 
-from vibrafeed.core.errors import StudyError, refused
+from vibrafeed.core.errors import refused
 
 MAX_BYTES = 50_000_000  # bytes of a file, or characters of a text
 MAX_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten seconds
@@ -36,7 +36,7 @@ def text_of(raw: bytes) -> str:
     """Return the text of a table as recorders and spreadsheets write it, with plain minus signs.
 
     Its encoding is UTF-8, with or without a byte order mark, UTF-16, or Windows-1252. Raises
-    `ValueError` if it is none of them.
+    `UnicodeError` if it is none of them.
     """
     wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     # Without a mark, text in UTF-16 has a zero in every other byte, as no other text has.
@@ -49,7 +49,7 @@ def text_of(raw: bytes) -> str:
             return raw.decode(encoding).translate(SIGNS)
         except UnicodeDecodeError:
             continue
-    raise ValueError("it is not text in UTF-8, UTF-16 or Windows-1252")
+    raise UnicodeError("it is not text in UTF-8, UTF-16 or Windows-1252")
 
 
 def number_and_unit(cell: str) -> tuple[str, str] | None:
@@ -82,12 +82,8 @@ def seconds_of(texts: Sequence[str]) -> list[float] | None:
 def lines_of(text: str, place: str) -> Lines:
     """Return the cells of all lines of a text; `place` is that of the table, for messages.
 
-    Blank lines are left out. Raises `StudyError` if the text or a line is too long.
+    Blank lines are left out. Raises `StudyError` if a line is too long.
     """
-    if len(text) > MAX_BYTES:
-        raise too_long(place, len(text))
-    rows: list[tuple[int, list[str]]] = []
-    remarks: list[tuple[int, list[str]]] = []
     named = ""
     lines: list[tuple[int, str]] = []
     # A cell of several lines is no number; each line is a row of its own, and keeps its number.
@@ -103,36 +99,28 @@ def lines_of(text: str, place: str) -> Lines:
         if len(lines) > MAX_ROWS + MAX_ABOVE:
             break
     separator = named or _separator([line for _, line in lines])
-    for number, line in lines:
-        bare = line.lstrip()
-        if not bare.startswith("#"):
-            rows.append((number, cells_of(line, separator)))
-        elif len(remarks) < MAX_ABOVE:
-            remarks.append((number, cells_of(bare.lstrip("# \t"), separator)))
+    rows = [(n, cells_of(line, separator)) for n, line in lines if not _is_remark(line)]
+    remarks = [
+        (n, cells_of(line.lstrip("# \t"), separator))
+        for n, line in lines[:MAX_ABOVE]
+        if _is_remark(line)
+    ]
     return Lines(rows, remarks, separator)
 
 
-def too_long(place: str, size: int) -> StudyError:
-    """Return the error of a table of so many bytes."""
-    return refused(
-        place,
-        f"the table has {size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB",
-        "Shorten it: one second of a recording is enough",
-    )
+def _is_remark(line: str) -> bool:
+    return line.lstrip().startswith("#")
 
 
 def _separator(lines: list[str]) -> str:
-    sampled = [
-        line for line in lines[:: -max(len(lines) // SAMPLED, 1)] if line.lstrip()[:1] != "#"
-    ]
+    sampled = [line for line in lines[:: -max(len(lines) // SAMPLED, 1)] if not _is_remark(line)]
 
     def values(separator: str) -> int:
         cells = [cell for line in sampled for cell in cells_of(line, separator) if cell.strip()]
         return sum(1 if is_value(cell) else -1 for cell in cells)
 
     best = max(SEPARATORS, key=values)
-    one_column = all(len(cells_of(line, best)) == 1 for line in sampled)
-    return "," if one_column else best
+    return "," if all(len(cells_of(line, best)) == 1 for line in sampled) else best
 
 
 def cells_of(line: str, separator: str) -> list[str]:
@@ -174,25 +162,20 @@ def contradictions(columns: Mapping[str, Sequence[str]]) -> dict[str, str]:
     }
     first = {mark: name for name in [*marked][::-1] for mark in marked[name]}
     faults: dict[str, str] = {}
-    for name, found in marked.items():
-        if found and len(first) == 2:
+    for name, marks in marked.items():
+        if marks and len(first) == 2:
             shown = " and ".join(
                 f"column '{n}' has '{marked[n][m]}'" for m, n in [*first.items()][::-1]
             )
             faults[name] = f"{shown}: one of the two marks separates thousands"
-        elif found and (short := _thousands(numbers[name])) is not None:
-            seen = next(iter(found.values()))
+        elif marks and (short := _thousands(numbers[name])) is not None:
+            seen = next(iter(marks.values()))
             faults[name] = f"column '{name}' has '{seen}' beside '{short}': thousands are separated"
     return faults
 
 
 def _thousands(cells: Sequence[str]) -> str | None:
-    short = None
-    for cell in cells:
-        if _WHOLE.fullmatch(cell):
-            if len(cell.lstrip("+-")) > 3:
-                return None
-            short = cell
-        elif not _THOUSANDS.fullmatch(cell):
-            return None
-    return short
+    whole = [cell for cell in cells if _WHOLE.fullmatch(cell)]
+    others = [cell for cell in cells if not _WHOLE.fullmatch(cell)]
+    are_short = all(len(cell.lstrip("+-")) <= 3 for cell in whole)
+    return whole[-1] if whole and are_short and all(map(_THOUSANDS.fullmatch, others)) else None
