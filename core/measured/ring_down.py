@@ -10,6 +10,7 @@ from scipy.optimize import least_squares
 from vibrafeed.core.errors import refused
 from vibrafeed.core.measured.harmonics import Array, density_near
 from vibrafeed.core.measured.recording import Recording, Signal, read_signal
+from vibrafeed.core.measured.times import LEAST_SAMPLES
 from vibrafeed.core.measured.validity import check_before
 from vibrafeed.core.tables.table import Table
 
@@ -110,22 +111,16 @@ def _fit(signal: Signal) -> RingDown:
     # The knock itself is no free vibration.
     first = int((values**2).sum(axis=0).argmax())
     times, values = signal.times[first:], signal.values[:, first:]
+    if times.size < LEAST_SAMPLES:
+        raise refused(
+            "recording",
+            f"{times.size} samples follow the knock, which is too few",
+            f"Record at least {LEAST_SAMPLES} samples after the knock",
+        )
     frequency = _peak(times, values)[0]
     begin = int(np.searchsorted(times, times[0] + KNOCK / frequency))
     times, values = times[begin : begin + LONGEST], values[:, begin : begin + LONGEST]
-    frequency = _peak(times, values)[0]
-    poles = _start(times, values, frequency)
-    # What is left over shows further modes, if it has lines that noise does not have.
-    for _ in range(MAX_MODES):
-        poles, residual = _least(times, values, poles)
-        more, power = _peak(times, residual)
-        # Of noise, a power is above its mean by more than this once in a thousand spectra.
-        noise = (residual**2).sum() * (np.log(times.size) + FAR)
-        is_weak = power < STANDS_OUT**2 * _peak(times, values)[1]
-        if is_weak or len(poles) == MAX_MODES or power < noise:
-            break
-        poles = np.concatenate([poles, _start(times, residual, more)])
-    poles, residual = _least(times, values, poles)  # with the weights of the residual
+    poles, residual = _modes(times, values)
     sizes = _sizes(times, values, poles)
     main = int(sizes.argmax())
     stop = int(np.searchsorted(times, times[0] + DECAYED / max(-poles[main].real, 1e-9)))
@@ -153,6 +148,22 @@ def _fit(signal: Signal) -> RingDown:
         samples=times.size,
         left_over=left,
     )
+
+
+def _modes(times: Array, values: Array) -> tuple[NDArray[np.complex128], Array]:
+    frequency, strongest = _peak(times, values)
+    poles = _start(times, values, frequency)
+    # What is left over shows further modes, if it has lines that noise does not have.
+    for _ in range(MAX_MODES):
+        poles, residual = _least(times, values, poles)
+        more, power = _peak(times, residual)
+        # Of noise, a power is above its mean by more than this once in a thousand spectra.
+        noise = (residual**2).sum() * (np.log(times.size) + FAR)
+        is_weak = power < max(STANDS_OUT**2 * strongest, noise)
+        if is_weak or len(poles) == MAX_MODES:
+            break
+        poles = np.concatenate([poles, _start(times, residual, more)])
+    return _least(times, values, poles)  # with the weights of the residual
 
 
 def _check(times: Array, natural: float, ratio: float, left: float) -> None:

@@ -116,8 +116,8 @@ def _separator(lines: list[str]) -> str:
     sampled = [line for line in lines[:: -max(len(lines) // SAMPLED, 1)] if not _is_remark(line)]
 
     def values(separator: str) -> int:
-        cells = [cell for line in sampled for cell in cells_of(line, separator) if cell.strip()]
-        return sum(1 if is_value(cell) else -1 for cell in cells)
+        parted = ([cell for cell in cells_of(one, separator) if cell.strip()] for one in sampled)
+        return sum(max(0, sum(1 if is_value(cell) else -1 for cell in row)) for row in parted)
 
     best = max(SEPARATORS, key=values)
     return "," if all(len(cells_of(line, best)) == 1 for line in sampled) else best

@@ -79,5 +79,8 @@ def test_what_is_no_ring_down_is_refused():
         text = "time [s],ax [g]\n" + "\n".join(
             f"{t:.3f},{v:.7g}" for t, v in zip(TIMES, values, strict=True)
         )
-        with pytest.raises(StudyError, match="does not decay as a struck feeder does"):
+        with pytest.raises(StudyError, match=r"does not decay as a struck feeder|follow the knock"):
             fit_ring_down(text, Recording(along="ax"))
+    late = text.replace("\n1.990,", "\n1.990,9")
+    with pytest.raises(StudyError, match="samples follow the knock, which is too few"):
+        fit_ring_down(late, Recording(along="ax"))
