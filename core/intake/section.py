@@ -24,7 +24,7 @@ from vibrafeed.core.study.units import UnitError, read_numbers
 from vibrafeed.core.study.unusual import leaves_of
 from vibrafeed.core.suggestions import Suggestions
 from vibrafeed.core.tables.read import read_table
-from vibrafeed.core.tables.table import Table
+from vibrafeed.core.tables.table import InputTable
 
 Content = dict[str, Any]
 """What stands in a study: its keys and their values, as a file or request has them."""
@@ -456,7 +456,7 @@ def source_of(
     return file
 
 
-def _table(source: str | Path, path: str, files: bool) -> Table:
+def _table(source: str | Path, path: str, files: bool) -> InputTable:
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     limit = f"the limit over HTTP is {MAX_ROWS_SENT:,}"

@@ -23,7 +23,7 @@ from vibrafeed.core.measured.harmonics import (
 )
 from vibrafeed.core.measured.recording import STANDARD_GRAVITY, Recording, Signal, read_signal
 from vibrafeed.core.measured.validity import SIZE, check_before, check_fit, check_orders
-from vibrafeed.core.tables.table import Table
+from vibrafeed.core.tables.table import InputTable
 
 # --- A drive as a recording tells it: harmonics, their errors, and what is left over.
 
@@ -314,7 +314,7 @@ def wrap_angle(angle: float | Array) -> Array:
     return np.mod(np.asarray(angle) + np.pi, 2.0 * np.pi) - np.pi
 
 
-def fit_drive(source: str | Path | Table, recording: Recording) -> Fit:
+def fit_drive(source: str | Path | InputTable, recording: Recording) -> Fit:
     """Return the drive fitted to a recording: reads the signal, then fits it."""
     return fit_signal(read_signal(source, recording))
 

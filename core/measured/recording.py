@@ -20,7 +20,7 @@ from vibrafeed.core.study.units import UnitError, problem, read_number, unit_fac
 from vibrafeed.core.tables.files import FULL_SCALE
 from vibrafeed.core.tables.headings import stem_and_unit
 from vibrafeed.core.tables.read import read_table
-from vibrafeed.core.tables.table import Table
+from vibrafeed.core.tables.table import InputTable
 
 # --- Detects a channel that was driven beyond its range.
 
@@ -261,12 +261,12 @@ class Signal(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def read_signal(source: str | Path | Table, recording: Recording) -> Signal:
+def read_signal(source: str | Path | InputTable, recording: Recording) -> Signal:
     """Return the motion of a track from a recording, in the axes of the track, with times.
 
     Parameters
     ----------
-    source : str, Path or Table
+    source : str, Path or InputTable
         The recording: the text of a table, the path of a file, or the table read from it.
     recording : Recording
         Section of the study that says which columns hold what: axes, units, times, mounting.
@@ -276,7 +276,7 @@ def read_signal(source: str | Path | Table, recording: Recording) -> Signal:
     StudyError
         With all problems at once: columns, cells, units, times, numbers, clipped channels.
     """
-    table = source if isinstance(source, Table) else read_table(source)
+    table = source if isinstance(source, InputTable) else read_table(source)
     problems: list[Problem] = []
     times = Times(np.zeros(0))
     with gathered(problems):
@@ -381,7 +381,7 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
 
 
 def _channel(
-    table: Table, path: str, name: str, recording: Recording
+    table: InputTable, path: str, name: str, recording: Recording
 ) -> tuple[NDArray[np.float64], float, int]:
     # Values in SI, their smallest step, and how often the displacement is differentiated in them.
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0

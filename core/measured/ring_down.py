@@ -12,7 +12,7 @@ from vibrafeed.core.measured.harmonics import Array, density_near
 from vibrafeed.core.measured.recording import Recording, Signal, read_signal
 from vibrafeed.core.measured.times import LEAST_SAMPLES
 from vibrafeed.core.measured.validity import check_before
-from vibrafeed.core.tables.table import Table
+from vibrafeed.core.tables.table import InputTable
 
 MAX_MODES = 4  # of a feeder that rocks and bends beside its stroke
 LEAST_PERIODS = 5.0  # of the ring-down
@@ -64,7 +64,7 @@ class RingDown:
         }
 
 
-def fit_ring_down(source: str | Path | Table, recording: Recording) -> RingDown:
+def fit_ring_down(source: str | Path | InputTable, recording: Recording) -> RingDown:
     """Return the free vibration in a recording that begins at rest or with the knock.
 
     Each channel is a constant and the sum of A exp(-zeta w t) cos(w sqrt(1 - zeta^2) t + phi) of

@@ -9,7 +9,7 @@ from vibrafeed.core.errors import StudyError, refused
 from vibrafeed.core.quantities import Quantity
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
 from vibrafeed.core.tables.headings import stem_and_unit
-from vibrafeed.core.tables.table import Table
+from vibrafeed.core.tables.table import InputTable
 
 RATE = Quantity(
     "Hz", "f_s", "Sampling rate", "Samples a second.", 0.0, strict=True, parameter=True,
@@ -61,7 +61,7 @@ class Times(NamedTuple):
     note: str = ""
 
 
-def read_times(table: Table, rate: float | str | None, time: str | None) -> Times:
+def read_times(table: InputTable, rate: float | str | None, time: str | None) -> Times:
     """Return the times of the samples of a recording.
 
     They come from `rate`, samples a second (a number or a text with a unit), or from the column
@@ -122,7 +122,7 @@ def read_times(table: Table, rate: float | str | None, time: str | None) -> Time
     return Times(even, assumed=assumed)
 
 
-def _seconds_of(table: Table, name: str) -> tuple[NDArray[np.float64], str]:
+def _seconds_of(table: InputTable, name: str) -> tuple[NDArray[np.float64], str]:
     values, headed = table.numbers(name, "time")
     unit = headed or stem_and_unit(name)[1]
     steps = np.diff(values)
@@ -170,7 +170,7 @@ def _longest_piece(
     return Times(_even_if_rounded(times[kept] - times[kept.start]), kept, assumed, note)
 
 
-def _column_of_times(table: Table) -> str | None:
+def _column_of_times(table: InputTable) -> str | None:
     columns = table.columns.items()
     usual = [
         name

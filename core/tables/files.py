@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from scipy.io import loadmat, wavfile
 
 from vibrafeed.core.errors import StudyError, refused
 from vibrafeed.core.system import installing
-from vibrafeed.core.tables.table import Column, Table
+from vibrafeed.core.tables.table import Column, InputTable
 from vibrafeed.core.tables.text import MAX_ROWS
 
 FULL_SCALE = "full scale"
@@ -47,8 +48,6 @@ def _unreadable(path: Path, place: str, error: Exception) -> StudyError:
 
 
 def _of_wav(path: Path) -> tuple[dict[str, Column], float]:
-    from scipy.io import wavfile
-
     rate, samples = wavfile.read(path)
     channels = samples.reshape(len(samples), -1).T
     if channels.dtype.kind in "iu":
@@ -59,8 +58,6 @@ def _of_wav(path: Path) -> tuple[dict[str, Column], float]:
 
 
 def _of_mat(path: Path) -> tuple[dict[str, Column], float]:
-    from scipy.io import loadmat
-
     columns: dict[str, Column] = {}
     for name, values in loadmat(path).items():
         if name.startswith("__") or getattr(values, "dtype", np.dtype("O")).kind not in "iuf":
@@ -110,7 +107,7 @@ SUFFIXES: Final = (".xlsx", *_FILES)
 """Endings of files that are not text."""
 
 
-def read_numbers(path: Path, place: str) -> Table:
+def read_numbers(path: Path, place: str) -> InputTable:
     """Return the channels of a file that holds numbers, those of the most frequent length.
 
     Raises `StudyError` if the file is damaged, or holds no channel.
@@ -125,4 +122,4 @@ def read_numbers(path: Path, place: str) -> Table:
         fix = f"Give channels of 1 to {MAX_ROWS:,} samples"
         raise refused(place, f"{path.name} has {count:,} samples a channel", fix)
     columns = {name: one for name, one in columns.items() if len(one.cells) == count}
-    return Table(columns, np.arange(1, count + 1), place, step=step)
+    return InputTable(columns, np.arange(1, count + 1), place, step=step)

@@ -7,11 +7,23 @@ from pathlib import Path
 import numpy as np
 
 from vibrafeed.core.errors import refused
-from vibrafeed.core.tables import text as texts
 from vibrafeed.core.tables.files import SUFFIXES, read_numbers, workbook
 from vibrafeed.core.tables.headings import is_row_of_units, name_and_unit
-from vibrafeed.core.tables.table import SEMICOLONS, Column, Table
-from vibrafeed.core.tables.text import SAMPLED, Lines, is_value, lines_of, number_and_unit, text_of
+from vibrafeed.core.tables.table import SEMICOLONS, Column, InputTable
+from vibrafeed.core.tables.text import (
+    MAX_ABOVE,
+    MAX_BYTES,
+    MAX_ROWS,
+    ONE_MARK,
+    SAMPLED,
+    SIGNS,
+    Lines,
+    contradictions,
+    is_value,
+    lines_of,
+    number_and_unit,
+    text_of,
+)
 
 REMARKS = ("comment", "comments", "remark", "remarks", "note", "notes", "bemerkung")
 """Names of columns of remarks, which rows need not have."""
@@ -20,7 +32,7 @@ SHORTEN = "Shorten it: one second of a recording is enough"
 Row = tuple[int, list[str]]
 
 
-def read_table(source: str | Path, place: str = "recording") -> Table:
+def read_table(source: str | Path, place: str = "recording") -> InputTable:
     """Return the table in a file, or in a text.
 
     Text may be in UTF-8, UTF-16 or Windows-1252, with tabs, semicolons, commas, bars or blanks
@@ -45,11 +57,11 @@ def read_table(source: str | Path, place: str = "recording") -> Table:
         If the file cannot be read.
     """
     if isinstance(source, str):
-        return _parted(lines_of(source.removeprefix("\ufeff").translate(texts.SIGNS), place), place)
+        return _parted(lines_of(source.removeprefix("\ufeff").translate(SIGNS), place), place)
     with source.open("rb") as file:  # no more is read than is allowed, whatever the file is
-        raw = file.read(texts.MAX_BYTES + 1)
-    if len(raw) > texts.MAX_BYTES:
-        size = f"{source.stat().st_size / 1e6:,.0f} MB, the limit is {texts.MAX_BYTES / 1e6:.0f} MB"
+        raw = file.read(MAX_BYTES + 1)
+    if len(raw) > MAX_BYTES:
+        size = f"{source.stat().st_size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB"
         raise refused(place, f"the table has {size}", SHORTEN)
     suffix = source.suffix.lower()
     if suffix == ".xlsx":
@@ -63,7 +75,7 @@ def read_table(source: str | Path, place: str = "recording") -> Table:
         raise refused(place, f"{source.name}: {error}", fix) from None
 
 
-def _parted(lines: Lines, place: str) -> Table:
+def _parted(lines: Lines, place: str) -> InputTable:
     rows = lines.rows
     if not rows:
         raise refused(place, "the table is empty", "Give a row of names, and rows of numbers below")
@@ -74,8 +86,8 @@ def _parted(lines: Lines, place: str) -> Table:
     width = len(header) or _filled(rows[first][1])
     # A line of another width that holds no number is a remark.
     body = [row for row in rows[start:] if len(row[1]) == width or any(map(is_value, row[1]))]
-    if len(body) > texts.MAX_ROWS:
-        raise refused(place, f"it has more than {texts.MAX_ROWS:,} rows", SHORTEN)
+    if len(body) > MAX_ROWS:
+        raise refused(place, f"it has more than {MAX_ROWS:,} rows", SHORTEN)
     _check_rows(body, width, place)
     names = header or [str(number) for number in range(1, width + 1)]
     above = rows[:start]
@@ -122,7 +134,7 @@ def _heading(lines: Lines, first: int) -> tuple[list[str], list[str], int]:
     rows = lines.rows
     width = _filled(rows[first][1])
     widest = max(len(cells) for _, cells in rows[first : first + SAMPLED])
-    heads = [k for k in range(min(first, texts.MAX_ABOVE)) if _can_name(rows[k][1], width, widest)]
+    heads = [k for k in range(min(first, MAX_ABOVE)) if _can_name(rows[k][1], width, widest)]
     if not heads:
         behind = [row for row in lines.remarks if row[0] < rows[first][0]]
         names = next((cells for _, cells in behind[::-1] if _can_name(cells, width, widest)), [])
@@ -162,7 +174,7 @@ def _table(
     note: str,
     place: str,
     step: float,
-) -> Table:
+) -> InputTable:
     width = len(names)
     padding = [""] * width
     cells = zip(*([*row, *padding][:width] for _, row in body), strict=True)
@@ -175,7 +187,7 @@ def _table(
             columns[name] = Column(column, "", fault, "Rename one")
         elif name:
             columns[name], written[name] = Column(column, unit or under.strip()), column
-    for name, fault in texts.contradictions(written).items():
-        columns[name] = Column(written[name], "", fault, texts.ONE_MARK)
+    for name, fault in contradictions(written).items():
+        columns[name] = Column(written[name], "", fault, ONE_MARK)
     lines = np.array([line for line, _ in body])
-    return Table(columns, lines, place, separator != ",", note, step)
+    return InputTable(columns, lines, place, separator != ",", note, step)

@@ -36,7 +36,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Table:
+class InputTable:
     """Columns of equal length, by name.
 
     Attributes

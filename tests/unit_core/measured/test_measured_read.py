@@ -204,11 +204,11 @@ def test_files_that_are_too_large_or_no_text_are_refused(tmp_path, monkeypatch):
         "recording: recording.bin: it is not text in UTF-8, UTF-16 or Windows-1252. Export the "
         "table as CSV, in UTF-8."
     ]
-    monkeypatch.setattr("vibrafeed.core.tables.text.MAX_BYTES", 1000)
+    monkeypatch.setattr("vibrafeed.core.tables.read.MAX_BYTES", 1000)
     file.write_bytes(TEXT.encode())
     assert "MB, the limit is 0 MB. Shorten it" in refused(file)[0]
     monkeypatch.undo()
-    monkeypatch.setattr("vibrafeed.core.tables.text.MAX_ROWS", 100)
+    monkeypatch.setattr("vibrafeed.core.tables.read.MAX_ROWS", 100)
     told = refused(TEXT)[0]
     assert told.startswith("recording: it has more than 100 rows. Shorten it")
 
