@@ -217,8 +217,6 @@ def _fit_ring_down(
     problem and exits if there is one.
     """
     from vibrafeed.core.measured import fit_ring_down, moving_mass
-    from vibrafeed.core.quantities import QUANTITIES
-    from vibrafeed.core.study.units import UnitError, read_number
 
     problems: dict[Path, list[Problem]] = {recording: []}
     if plot is not None:
@@ -226,12 +224,6 @@ def _fit_ring_down(
     if (loaded is None) != (added_mass is None):
         fix = "Give both, or neither"
         problems[recording].append(Problem("--loaded", "it needs --added-mass", fix))
-    mass = 0.0
-    if added_mass is not None:
-        try:
-            mass = read_number("--added-mass", QUANTITIES["moving_mass"], added_mass)
-        except UnitError as error:
-            problems[recording].append(Problem("--added-mass", error.message, error.fix))
     fits = []
     for file in filter(None, (recording, loaded)):
         try:
@@ -245,7 +237,8 @@ def _fit_ring_down(
     if found:
         refuse(found)
     try:
-        return fits[0], moving_mass(fits[0], fits[1], mass) if loaded is not None else None
+        mass = None if added_mass is None else moving_mass(fits[0], fits[1], added_mass)
+        return fits[0], mass
     except StudyError as error:
         refuse({recording: [replace(one, place="--added-mass") for one in error.problems]})
 

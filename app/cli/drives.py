@@ -141,7 +141,7 @@ def _with_error(value: str, error: str) -> str:
 
 def show_ring_down(
     recording: Path,
-    found: RingDown,
+    result: RingDown,
     mass: tuple[float, float] | None,
     *,
     toml: bool,
@@ -154,8 +154,8 @@ def show_ring_down(
     """
     each = [
         ("ring_down_frequency", "natural frequency", "Hz",
-         found.natural_frequency, found.natural_frequency_error),
-        ("damping_ratio", "damping ratio", "", found.damping_ratio, found.damping_ratio_error),
+         result.natural_frequency, result.natural_frequency_error),
+        ("damping_ratio", "damping ratio", "", result.damping_ratio, result.damping_ratio_error),
     ]  # fmt: skip
     if mass is not None:
         each.append(("moving_mass", "moving mass", "kg", *mass))
@@ -170,16 +170,16 @@ def show_ring_down(
     elif as_json:
         numbers = {name: value for name, _, _, value, _ in each}
         errors = {f"{name}_error": error for name, _, _, _, error in each}
-        more = {"other_frequencies": [*found.other_frequencies], "left_over": found.left_over}
+        more = {"other_frequencies": [*result.other_frequencies], "left_over": result.left_over}
         document({"recording": str(recording), **numbers, **errors, **more})
     else:
-        say(f"{recording}: {found.samples:,} samples from {found.start:.4g} s")
+        say(f"{recording}: {result.samples:,} samples from {result.start:.4g} s")
         for name, label, unit, _, _ in each:
             say(f"  {label}: {_with_error(*texts[name])} {unit}".rstrip())
-        others = ", ".join(f"{one:.4g} Hz" for one in found.other_frequencies)
+        others = ", ".join(f"{one:.4g} Hz" for one in result.other_frequencies)
         if others:
             say(f"  other modes: {others}")
-        say(f"  not explained by the fit: {PERCENT * found.left_over:.2g} % of the ring-down")
+        say(f"  not explained by the fit: {PERCENT * result.left_over:.2g} % of the ring-down")
     return text
 
 

@@ -439,14 +439,14 @@ def _volts(unit: str) -> float | None:
 
 
 def _amount(text: str | None, name: str) -> tuple[float, str]:
-    found = _AMOUNT.fullmatch((text or "").strip())
-    if found is None:
+    match = _AMOUNT.fullmatch((text or "").strip())
+    if match is None:
         raise refused(
             "scale",
             f"the samples of channel {name} are shares of a full scale that is not given",
             'Give it, such as scale = "10 g", or scale = "5 V" and a sensitivity',
         )
-    return float(found[1]), found[2]
+    return float(match[1]), match[2]
 
 
 def _by_sensitivity(text: str, unit: str, factor: float) -> tuple[float, int]:

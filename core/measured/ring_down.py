@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from vibrafeed.core.errors import refused
+from vibrafeed.core.errors import StudyError, refused
 from vibrafeed.core.measured.harmonics import Array, density_near
 from vibrafeed.core.measured.recording import Recording, Signal, read_signal
 from vibrafeed.core.measured.times import LEAST_SAMPLES
 from vibrafeed.core.measured.validity import check_before
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.units import UnitError, problem, read_number
 from vibrafeed.core.tables.table import InputTable
 
 MAX_MODES = 4  # of a feeder that rocks and bends beside its stroke
@@ -83,8 +85,10 @@ def fit_ring_down(source: str | Path | InputTable, recording: Recording) -> Ring
     return _fit(signal)
 
 
-def moving_mass(empty: RingDown, loaded: RingDown, added_mass: float) -> tuple[float, float]:
-    """Return the moving mass of a feeder and its standard error [kg], from an added mass [kg].
+def moving_mass(empty: RingDown, loaded: RingDown, added_mass: float | str) -> tuple[float, float]:
+    """Return the moving mass of a feeder and its standard error [kg], from an added mass.
+
+    A bare number is in kg.
 
     m = m_a/((f_0/f_1)^2 - 1), f_0 empty, f_1 with the added mass. Raises `StudyError` if the added
     mass does not lower the frequency by more than five of its errors.
@@ -98,8 +102,12 @@ def moving_mass(empty: RingDown, loaded: RingDown, added_mass: float) -> tuple[f
             f"{first:.5g} Hz",
             "Give the recording without the mass first, or add more",
         )
+    try:
+        added = read_number("added_mass", QUANTITIES["moving_mass"], added_mass)
+    except UnitError as error:
+        raise StudyError([problem("added_mass", error)]) from None
     ratio = (first / second) ** 2
-    mass = added_mass / (ratio - 1.0)
+    mass = added / (ratio - 1.0)
     relative = np.hypot(
         empty.natural_frequency_error / first, loaded.natural_frequency_error / second
     )
@@ -252,7 +260,7 @@ def _covariance(
     # can imitate, S_j the spectral density of the residual of channel j near the strongest mode.
     columns = _columns(times, poles)
     basis = np.linalg.qr(columns)[0]
-    found = np.linalg.lstsq(columns, values.T, rcond=None)[0][1:]
+    coefficients = np.linalg.lstsq(columns, values.T, rcond=None)[0][1:]
     after = (times - times[0])[:, None]
     main = int(_sizes(times, values, poles).argmax())
     duration = float(np.ptp(times)) * times.size / (times.size - 1)
@@ -261,7 +269,7 @@ def _covariance(
     density = np.diag(density_near(spectrum, float(place[main]), place, 0))
     noise = np.maximum(density, np.mean(residual**2, axis=1))
     total = np.zeros((2 * len(poles),) * 2)
-    for channel, variance in zip(found.T, noise, strict=True):
+    for channel, variance in zip(coefficients.T, noise, strict=True):
         pairs = channel.reshape(-1, 2)
         waves = columns[:, 1:].reshape(times.size, -1, 2)
         # d/ds of a Re(e) + b Im(e), e = exp((s + i w) t), is t times it; d/dw turns it.

@@ -77,15 +77,15 @@ def prepare_cut(
     used = {axis for name, axis in whole.along.items() if name in plan.parameters}
     free = [name for name in dict.fromkeys(axes) if name in used]
     problems = []
-    place = {name: (0, whole.shape[name]) for name in free}
+    box = {name: (0, whole.shape[name]) for name in free}
     for name in whole.dims(used - {*free}):
         try:
-            k = _place_on_axis(whole, name, at)
-            place[name] = (k, k + 1)
+            k = _position_of(whole, name, at)
+            box[name] = (k, k + 1)
         except UnitError as error:
             problems.append(problem(name, error))
     raise_any(problems)
-    part = whole.within(place)
+    part = whole.within(box)
     fixed = {
         name: float(part.values_of(name).array()[0])
         for name, axis in whole.along.items()
@@ -206,7 +206,7 @@ def _problems(
             )
 
 
-def _place_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> int:
+def _position_of(grid: Grid, name: str, at: Mapping[str, str]) -> int:
     """Return the position on an axis of the value that the text `at[name]` names.
 
     Raises `UnitError` if the axis does not have that value, or the text is missing or no number

@@ -17,7 +17,7 @@ FULL_SCALE = "full scale"
 _PACKAGES = {"openpyxl": "XLSX", "nptdms": "TDMS", "pyuff": "UFF"}
 
 
-def workbook(path: Path, place: str) -> list[tuple[int, list[str]]]:
+def workbook(path: Path, section: str) -> list[tuple[int, list[str]]]:
     """Return the rows of the first sheet of an XLSX workbook, each its number and its cells."""
     try:
         from openpyxl import load_workbook
@@ -27,7 +27,7 @@ def workbook(path: Path, place: str) -> list[tuple[int, list[str]]]:
         rows = [(n, [*map(_shown_cell, cells)]) for n, cells in enumerate(sheet.iter_rows(), 1)]
         book.close()
     except Exception as error:  # what a damaged workbook raises is of many kinds
-        raise _unreadable(path, place, error) from error
+        raise _unreadable(path, section, error) from error
     return [(number, cells) for number, cells in rows if any(map(str.strip, cells))]
 
 
@@ -38,13 +38,13 @@ def _shown_cell(cell: Any) -> str:
     return "" if value is None else str(value)
 
 
-def _unreadable(path: Path, place: str, error: Exception) -> StudyError:
+def _unreadable(path: Path, section: str, error: Exception) -> StudyError:
     if isinstance(error, ModuleNotFoundError) and error.name in _PACKAGES:
         package = error.name
         message = f"reading {_PACKAGES[package]} needs {package}, which is not installed"
-        return refused(place, message, f"{installing(package)}, or export the table as CSV")
+        return refused(section, message, f"{installing(package)}, or export the table as CSV")
     message = f"{path.name} is not a {path.suffix[1:].upper()} file, or is damaged: {error}"
-    return refused(place, message[:300], "Export the table as CSV")
+    return refused(section, message[:300], "Export the table as CSV")
 
 
 def _of_wav(path: Path) -> tuple[dict[str, Column], float]:
@@ -107,7 +107,7 @@ SUFFIXES: Final = (".xlsx", *_FILES)
 """Endings of files that are not text."""
 
 
-def read_numbers(path: Path, place: str) -> InputTable:
+def read_numbers(path: Path, section: str) -> InputTable:
     """Return the channels of a file that holds numbers, those of the most frequent length.
 
     Raises `StudyError` if the file is damaged, or holds no channel.
@@ -115,11 +115,11 @@ def read_numbers(path: Path, place: str) -> InputTable:
     try:
         columns, step = _FILES[path.suffix.lower()](path)
     except Exception as error:  # what a damaged file raises is of many kinds
-        raise _unreadable(path, place, error) from error
+        raise _unreadable(path, section, error) from error
     lengths = [len(column.cells) for column in columns.values()]
     count = max(lengths, key=lambda length: (lengths.count(length), length), default=0)
     if not 0 < count <= MAX_ROWS:
         fix = f"Give channels of 1 to {MAX_ROWS:,} samples"
-        raise refused(place, f"{path.name} has {count:,} samples a channel", fix)
+        raise refused(section, f"{path.name} has {count:,} samples a channel", fix)
     columns = {name: one for name, one in columns.items() if len(one.cells) == count}
-    return InputTable(columns, np.arange(1, count + 1), place, step=step)
+    return InputTable(columns, np.arange(1, count + 1), section, step=step)

@@ -32,7 +32,7 @@ SHORTEN = "Shorten it: one second of a recording is enough"
 Row = tuple[int, list[str]]
 
 
-def read_table(source: str | Path, place: str = "recording") -> InputTable:
+def read_table(source: str | Path, section: str = "recording") -> InputTable:
     """Return the table in a file, or in a text.
 
     Text may be in UTF-8, UTF-16 or Windows-1252, with tabs, semicolons, commas, bars or blanks
@@ -46,7 +46,7 @@ def read_table(source: str | Path, place: str = "recording") -> InputTable:
     ----------
     source : str or Path
         The text itself, or the path of a file.
-    place : str
+    section : str
         Where a study names the table, for messages.
 
     Raises
@@ -57,44 +57,46 @@ def read_table(source: str | Path, place: str = "recording") -> InputTable:
         If the file cannot be read.
     """
     if isinstance(source, str):
-        return _parted(lines_of(source.removeprefix("\ufeff").translate(SIGNS), place), place)
+        return _parted(lines_of(source.removeprefix("\ufeff").translate(SIGNS), section), section)
     with source.open("rb") as file:  # no more is read than is allowed, whatever the file is
         raw = file.read(MAX_BYTES + 1)
     if len(raw) > MAX_BYTES:
         size = f"{source.stat().st_size / 1e6:,.0f} MB, the limit is {MAX_BYTES / 1e6:.0f} MB"
-        raise refused(place, f"the table has {size}", SHORTEN)
+        raise refused(section, f"the table has {size}", SHORTEN)
     suffix = source.suffix.lower()
     if suffix == ".xlsx":
-        return _parted(Lines(workbook(source, place), [], "\t"), place)
+        return _parted(Lines(workbook(source, section), [], "\t"), section)
     if suffix in SUFFIXES:
-        return read_numbers(source, place)
+        return read_numbers(source, section)
     try:
-        return _parted(lines_of(text_of(raw), place), place)
+        return _parted(lines_of(text_of(raw), section), section)
     except UnicodeError as error:
         fix = "Export the table as CSV, in UTF-8"
-        raise refused(place, f"{source.name}: {error}", fix) from None
+        raise refused(section, f"{source.name}: {error}", fix) from None
 
 
-def _parted(lines: Lines, place: str) -> InputTable:
+def _parted(lines: Lines, section: str) -> InputTable:
     rows = lines.rows
     if not rows:
-        raise refused(place, "the table is empty", "Give a row of names, and rows of numbers below")
+        raise refused(
+            section, "the table is empty", "Give a row of names, and rows of numbers below"
+        )
     first = _first_of_body(rows)
     if first is None:
-        raise refused(place, "the table holds no numbers", "Give rows of numbers below the names")
+        raise refused(section, "the table holds no numbers", "Give rows of numbers below the names")
     header, units, start = _heading(lines, first)
     width = len(header) or _filled(rows[first][1])
     # A line of another width that holds no number is a remark.
     body = [row for row in rows[start:] if len(row[1]) == width or any(map(is_value, row[1]))]
     if len(body) > MAX_ROWS:
-        raise refused(place, f"it has more than {MAX_ROWS:,} rows", SHORTEN)
-    _check_rows(body, width, place)
+        raise refused(section, f"it has more than {MAX_ROWS:,} rows", SHORTEN)
+    _check_rows(body, width, section)
     names = header or [str(number) for number in range(1, width + 1)]
     above = rows[:start]
     labels = {cells[0].strip(): cells[1:] for _, cells in above if cells}
     units = units or _units_of_labview(labels, names)
     note = "\n".join(" ".join(cells) for _, cells in above if cells[: len(header)] != header)
-    return _table(names, units, body, lines.separator, note, place, _step_of_labview(labels))
+    return _table(names, units, body, lines.separator, note, section, _step_of_labview(labels))
 
 
 def _filled(cells: Sequence[str]) -> int:
@@ -157,13 +159,13 @@ def _can_name(cells: Sequence[str], width: int, widest: int) -> bool:
     return len(named) >= width > 0 and not more and not any(map(is_value, named))
 
 
-def _check_rows(body: Sequence[Row], width: int, place: str) -> None:
+def _check_rows(body: Sequence[Row], width: int, section: str) -> None:
     odd = [(line, len(row)) for line, row in body if any(map(is_value, row[width:]))]
     if odd:
         line, count = odd[0]
         more = f" ({len(odd):,} such lines)" if len(odd) > 1 else ""
         message = f"line {line} has {count} cells, but the heading has {width}{more}"
-        raise refused(place, message, SEMICOLONS)
+        raise refused(section, message, SEMICOLONS)
 
 
 def _table(
@@ -172,7 +174,7 @@ def _table(
     body: list[Row],
     separator: str,
     note: str,
-    place: str,
+    section: str,
     step: float,
 ) -> InputTable:
     width = len(names)
@@ -190,4 +192,4 @@ def _table(
     for name, fault in contradictions(written).items():
         columns[name] = Column(written[name], "", fault, ONE_MARK)
     lines = np.array([line for line, _ in body])
-    return InputTable(columns, lines, place, separator != ",", note, step)
+    return InputTable(columns, lines, section, separator != ",", note, step)

@@ -44,7 +44,7 @@ class InputTable:
     columns : mapping of str to Column
     lines : ndarray
         The line of the file on which each row stands, or its number.
-    place : str
+    section : str
         Where a study names the table, such as "observations".
     commas : bool
         True if a comma is a decimal mark.
@@ -56,7 +56,7 @@ class InputTable:
 
     columns: Mapping[str, Column]
     lines: NDArray[np.int64]
-    place: str = "recording"
+    section: str = "recording"
     commas: bool = False
     note: str = ""
     step: float = 0.0
@@ -64,7 +64,7 @@ class InputTable:
     def column(self, name: str, path: str) -> Column:
         """Return a column that can be read; raise `StudyError` if there is none of that name.
 
-        `path` is the place in the study where the column is named, for the messages.
+        `path` is the section in the study where the column is named, for the messages.
         """
         column = self.columns.get(name)
         if column is None:
@@ -103,7 +103,7 @@ class InputTable:
 
         Numbers get the unit of their column, as texts. Raises `StudyError` if a column has a fault.
         """
-        raise_any(Problem(self.place, c.fault, c.fix) for c in self.columns.values() if c.fault)
+        raise_any(Problem(self.section, c.fault, c.fix) for c in self.columns.values() if c.fault)
         columns = {
             name: [self._value(cell, column.unit) for cell in column.cells]
             for name, column in self.columns.items()
@@ -129,7 +129,12 @@ class InputTable:
         try:
             return np.fromiter(map(float, texts), np.float64, len(texts))
         except ValueError:
-            import pandas  # takes long to load, and few columns hold anything but numbers
-
             seconds = seconds_of(cells) if all(map(is_clock, cells)) else None
-        return np.asarray(seconds or pandas.to_numeric([*texts], errors="coerce"), np.float64)
+        return np.array(seconds or [_number(text) for text in texts], np.float64)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return np.nan

@@ -79,8 +79,8 @@ def seconds_of(texts: Sequence[str]) -> list[float] | None:
         return None
 
 
-def lines_of(text: str, place: str) -> Lines:
-    """Return the cells of all lines of a text; `place` is that of the table, for messages.
+def lines_of(text: str, section: str) -> Lines:
+    """Return the cells of all lines of a text; `section` is that of the table, for messages.
 
     Blank lines are left out. Raises `StudyError` if a line is too long.
     """
@@ -90,7 +90,7 @@ def lines_of(text: str, place: str) -> Lines:
     for number, line in enumerate(StringIO(text, newline=None), start=1):
         if len(line) > MAX_LETTERS:
             raise refused(
-                place, f"line {number} has {len(line):,} letters", "Keep the columns in use"
+                section, f"line {number} has {len(line):,} letters", "Keep the columns in use"
             )
         if not lines and (found := _NAMED_SEPARATOR.fullmatch(line.strip())):
             named = found[1]
