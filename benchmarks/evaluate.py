@@ -140,7 +140,7 @@ def before(folder: str, content: Mapping[str, Any]) -> float:
 
 def compiled(prepared: Prepared) -> Fused:
     """Return the compiled form of a study's plan."""
-    graph = traced(prepared.plan, prepared.grid.axes)
+    graph = traced(prepared.plan, prepared.grid.along)
     assert graph is not None
     return Fused(prepared.plan, graph, prepared.grid)
 
@@ -203,7 +203,7 @@ def traceable(name: str, variant: str) -> dict[bool, list[str]]:
     for output in SCENES[name].outputs(variant):
         plan = plan_of(name, variant, (output,)) if output != "regime" else None
         if plan is not None and not any(equation.takes_long for equation in plan.equations):
-            ways[traced(plan, plan.parameters) is not None].append(output)
+            ways[traced(plan, {name: name for name in plan.parameters}) is not None].append(output)
     return ways
 
 
@@ -232,7 +232,7 @@ def grid_of(plan: Plan, cells: int, seed: int) -> Grid:
 
 def different(plan: Plan, grid: Grid) -> Iterator[tuple[str, int]]:
     """Yield each array of a plan and the number of values that differ between both ways."""
-    graph = traced(plan, grid.axes)
+    graph = traced(plan, grid.along)
     assert graph is not None
     expected, got = empty_results(plan, grid), empty_results(plan, grid)
     with np.errstate(all="ignore"):

@@ -15,18 +15,24 @@ from vibrafeed.app.cli.studies import refuse, warn
 from vibrafeed.core.errors import Problem, StudyError
 
 if TYPE_CHECKING:
-    from vibrafeed.core.measured import Fit, Recording
+    from vibrafeed.core.measured import Fit, Recording, RingDown
 
 _OPTION = re.compile(r"--([a-z-]+) = ")
 _LIST = re.compile(r'\[("[^\]]*")\]')
 COLUMN = (
-    "Name of the recording's column with the acceleration {}; a minus sign before the name "
+    "Name, or number, of the recording's column with the motion {}; a minus sign before the name "
     "reverses it."
 )
 
 
 def drive(
-    recording: Annotated[Path, typer.Argument(help="CSV of the recording.", show_default=False)],
+    recording: Annotated[
+        Path,
+        typer.Argument(
+            help="File of the recording: CSV, XLSX, LVM, MAT, WAV, TDMS or UFF.",
+            show_default=False,
+        ),
+    ],
     along: Annotated[str | None, typer.Option(help=COLUMN.format("along the track"))] = None,
     normal: Annotated[
         str | None, typer.Option(help=COLUMN.format("normal to the track, upwards"))
@@ -52,9 +58,20 @@ def drive(
     unit: Annotated[
         str | None,
         typer.Option(
-            help="Unit of the accelerations where the column headings name none: g, mg, m "
-            "s-2 or mm s-2."
+            help="Unit of the columns, instead of the one in their headings: g, mg, m s-2 or mm "
+            "s-2; mm/s of velocities; mm or um of displacements; V or mV with --sensitivity."
         ),
+    ] = None,
+    sensitivity: Annotated[
+        str | None,
+        typer.Option(
+            help="Sensitivity of the sensor if the columns are voltages or counts, as in "
+            "'100 mV/g' or '16384 counts/g'."
+        ),
+    ] = None,
+    scale: Annotated[
+        str | None,
+        typer.Option(help="Full scale of a WAV file, as in '8 g', or '5 V' with --sensitivity."),
     ] = None,
     rate: Annotated[
         str | None,
@@ -88,6 +105,24 @@ def drive(
             "recording can resolve."
         ),
     ] = None,
+    ring_down: Annotated[
+        bool,
+        typer.Option(
+            "--ring-down",
+            help="Fit the free vibration after a knock on the feeder: natural frequency and "
+            "damping ratio.",
+        ),
+    ] = False,
+    loaded: Annotated[
+        Path | None,
+        typer.Option(
+            help="With --ring-down: recording of a knock with --added-mass on the feeder; it gives "
+            "the moving mass."
+        ),
+    ] = None,
+    added_mass: Annotated[
+        str | None, typer.Option(help="With --loaded: the mass that was added, as in '2 kg'.")
+    ] = None,
     plot: Annotated[
         Path | None,
         typer.Option(
@@ -107,11 +142,11 @@ def drive(
         typer.Option("-o", "--output", help="Write the fitted drive parameters to this TOML file."),
     ] = None,
 ) -> None:
-    """Fit the harmonics of a drive, with errors, to an accelerometer recording.
+    """Fit the harmonics of a drive, with errors, to a recording of a sensor on the track.
 
     Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
     """
-    from vibrafeed.app.cli.drives import document_of, show_fit, toml_of
+    from vibrafeed.app.cli.drives import document_of, show_fit, show_ring_down, toml_of
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.intake.section import channel_questions
     from vibrafeed.core.measured import Recording
@@ -125,12 +160,20 @@ def drive(
         sensor=_split_list(sensor),  # type: ignore[arg-type] # their number is checked by the reader
         mounting=_split_list(mounting),  # type: ignore[arg-type]
         unit=unit,
+        sensitivity=sensitivity,
+        scale=scale,
         rate=rate,
         time=time,
         line_frequency=line_frequency,
         frequency=frequency,
         harmonics=harmonics,
     )
+    if ring_down:
+        found = _fit_ring_down(recording, asked, loaded, added_mass, plot)
+        lines = show_ring_down(recording, *found, toml=toml, as_json=as_json)
+        if output is not None:
+            _write(output, lines, quiet=toml or as_json)
+        return
     fit = _fit_recording(recording, asked, plot)
     warn(recording, questions_of_drive(fit.parameters(), recording.name) + channel_questions(fit))
     lines = toml_of(fit, recording)
@@ -140,16 +183,64 @@ def drive(
         console.document(document_of(fit, recording))
     else:
         show_fit(fit, recording, shown)
+    if output is not None:
+        _write(output, lines, quiet=toml or as_json)
     try:
-        if output is not None:
-            output.write_text(lines + "\n", encoding="utf-8")
-            typer.echo(f"wrote {output}", err=toml or as_json)
         if plot is not None:
             _save_picture(fit, plot)
             typer.echo(f"wrote {plot}", err=toml or as_json)
     except OSError as error:
         console.fail(f"{error.filename or recording}: {error.strerror or error}.")
         raise typer.Exit(FAILED) from None
+
+
+def _write(output: Path, lines: str, *, quiet: bool) -> None:
+    """Write the lines of a TOML file, and say so; exit with a message if that is not possible."""
+    try:
+        output.write_text(lines + "\n", encoding="utf-8")
+    except OSError as error:
+        console.fail(f"{output}: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+    typer.echo(f"wrote {output}", err=quiet)
+
+
+def _fit_ring_down(
+    recording: Path,
+    asked: "Recording",
+    loaded: Path | None,
+    added_mass: str | None,
+    plot: Path | None,
+) -> "tuple[RingDown, tuple[float, float] | None]":
+    """Return the free vibration in a recording, and the moving mass with its error [kg], if known.
+
+    `loaded` is the recording with `added_mass` on the feeder; `plot` is refused. Prints every
+    problem and exits if there is one.
+    """
+    from vibrafeed.core.measured import fit_ring_down, moving_mass
+
+    problems: dict[Path, list[Problem]] = {recording: []}
+    if plot is not None:
+        problems[recording].append(Problem("--plot", "a ring-down has no picture", "Leave it out"))
+    if (loaded is None) != (added_mass is None):
+        fix = "Give both, or neither"
+        problems[recording].append(Problem("--loaded", "it needs --added-mass", fix))
+    fits = []
+    for file in filter(None, (recording, loaded)):
+        try:
+            fits.append(fit_ring_down(file, asked))
+        except StudyError as error:
+            problems[file] = [*problems.get(file, []), *map(_of_options, error.problems)]
+        except OSError as error:
+            message = f"it cannot be read: {error.strerror or error}"
+            problems[file] = [Problem("recording", message, "Name a recording")]
+    found = {file: some for file, some in problems.items() if some}
+    if found:
+        refuse(found)
+    try:
+        mass = None if added_mass is None else moving_mass(fits[0], fits[1], added_mass)
+        return fits[0], mass
+    except StudyError as error:
+        refuse({recording: [replace(one, place="--added-mass") for one in error.problems]})
 
 
 def _save_picture(fit: "Fit", plot: Path) -> None:
@@ -172,7 +263,7 @@ def _fit_recording(recording: Path, asked: "Recording", plot: Path | None) -> "F
     one is wanted.
     """
     from vibrafeed.core.measured import fit_drive
-    from vibrafeed.core.measured.csv_table import read_table
+    from vibrafeed.core.tables.read import read_table
 
     problems = _problems_of_picture(plot)
     try:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from vibrafeed import core
-from vibrafeed.app.cli.console import say, table
-from vibrafeed.core.measured import Fit
+from vibrafeed.app.cli.console import document, say, table
+from vibrafeed.core.measured import Fit, RingDown
 from vibrafeed.core.study.shown import ShownUnits
 
 MICRO = 1e6  # micrometres in a metre
@@ -69,39 +69,118 @@ def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
 def facts(fit: Fit, units: ShownUnits | None = None) -> Iterator[tuple[str, str]]:
     """Yield name and value, as texts, of each result that holds for the whole fit of a drive.
 
-    They are the frequency, the line of the stroke and its angle, the error of the recorder's clock,
-    the share of the recording that the fit does not explain, drift, and the tilt of the sensor, as
-    far as they are known. `units` are those for printing lengths.
+    They are the stroke along the line of vibration, peak to peak, and its angle; the frequency; the
+    ellipse; the error of the recorder's clock; the share of the recording that the fit does not
+    explain, drift, and the tilt of the sensor, as far as they are known. `units` are those for
+    printing lengths.
     """
+    units = units or ShownUnits()
+    stroke = fit.stroke
+    if stroke is not None:
+        off = float(np.max(fit.amplitude_errors[:, fit.orders.index(stroke.order)]))
+        angle = float(np.degrees(stroke.angle)), float(np.degrees(off / stroke.major))
+        order = "" if stroke.order == 1 else f", of order {stroke.order}"
+        line = _peak_to_peak(stroke.major, off, units)
+        shown = _with_error(*_round_to_error(*angle))
+        yield "stroke", f"{line} along the line of vibration, at {shown} degrees{order}"
+    else:
+        strokes = (
+            f"{_peak_to_peak(float(size), float(error), units)} {axis}"
+            for axis, size, error in zip(
+                fit.axes, fit.amplitudes[:, 0], fit.amplitude_errors[:, 0], strict=True
+            )
+        )
+        yield "stroke", ", ".join(strokes)
     frequency, error = _round_to_error(fit.frequency, fit.frequency_error)
     yield "frequency", f"{frequency} Hz" + (f" {PLUS_MINUS} {error} Hz" if error else ", as given")
-    if (stroke := fit.stroke) is not None:
-        shown = (units or ShownUnits()).of("m", stroke.major)
-        off = float(np.max(fit.amplitude_errors[:, fit.orders.index(stroke.order)]))
-        major, minor = (
-            _round_to_error(shown.factor * size, shown.factor * off)[0]
-            for size in (stroke.major, stroke.minor)
+    if stroke is not None:
+        across = _peak_to_peak(stroke.minor, off, units)
+        turn = "leads" if stroke.phase > 0 else "lags"
+        yield (
+            "ellipse",
+            (
+                f"{across} across that line; normal {turn} along by "
+                f"{abs(np.degrees(stroke.phase)):.1f} degrees"
+            ),
         )
-        angle, _ = _round_to_error(
-            float(np.degrees(stroke.angle)), float(np.degrees(off / stroke.major))
-        )
-        line, across = f"{major} {shown.unit} at {angle}", f"{minor} {shown.unit} across that line"
-        order = "" if stroke.order == 1 else f", of order {stroke.order}"
-        yield "amplitude along the line of the stroke", f"{line} degrees{order}; {across}"
     if fit.clock is not None:
         clock, error = _round_to_error(
             PERCENT * fit.clock.error, PERCENT * fit.clock.standard_error
         )
         pace = "slow" if fit.clock.error > 0 else "fast"
         yield "clock", f"{clock.lstrip('-')} % {PLUS_MINUS} {error or 0} % {pace}"
+    unit = ("m", "m/s", "m/s\N{SUPERSCRIPT TWO}")[fit.signal.derivative]
     for name, shares in (("not explained by the fit", fit.left_over), ("drift", fit.drifting)):
         each = zip(fit.axes, PERCENT * shares, strict=True)
         listed = ", ".join(f"{axis} {share:.2g} %" for axis, share in each)
-        yield name, f"{listed} of the drive"
+        rest = ", ".join(f"{one:.2g}" for one in fit.rest)
+        rms = f"; {rest} {unit} rms" if shares is fit.left_over else ""
+        yield name, f"{listed} of the drive{rms}"
+    for number, note in enumerate(fit.signal.notes, 1):
+        yield "note" if number == 1 else f"note {number}", note
     if fit.tilt is not None:
         climb, lean = np.degrees(fit.tilt.climb), np.degrees(fit.tilt.lean)
         left = "" if np.isnan(lean) else f", rises to its left by {lean:.2f} degrees"
         yield "tilt", f"climbs by {climb:.2f} degrees{left}"
+
+
+def _peak_to_peak(amplitude: float, error: float, units: ShownUnits) -> str:
+    """Return the text of a length from peak to peak, with its error; the arguments are half of it.
+
+    `units` are those for printing.
+    """
+    shown = units.of("m", 2.0 * amplitude)
+    texts = _round_to_error(2.0 * shown.factor * amplitude, 2.0 * shown.factor * error)
+    return f"{_with_error(*texts)} {shown.unit} peak to peak"
+
+
+def _with_error(value: str, error: str) -> str:
+    """Return a value with its error, if that is known."""
+    return f"{value} {PLUS_MINUS} {error}" if error else value
+
+
+def show_ring_down(
+    recording: Path,
+    result: RingDown,
+    mass: tuple[float, float] | None,
+    *,
+    toml: bool,
+    as_json: bool,
+) -> str:
+    """Print the free vibration of a struck feeder; return its parameters as TOML.
+
+    `mass` is the moving mass with its error [kg], if it is known. `toml` prints the parameters
+    only, `as_json` a JSON document.
+    """
+    each = [
+        ("ring_down_frequency", "natural frequency", "Hz",
+         result.natural_frequency, result.natural_frequency_error),
+        ("damping_ratio", "damping ratio", "", result.damping_ratio, result.damping_ratio_error),
+    ]  # fmt: skip
+    if mass is not None:
+        each.append(("moving_mass", "moving mass", "kg", *mass))
+    lines = [f"# Fitted to {recording.name!a} by vibrafeed {core.__version__}", "[parameters]"]
+    texts = {name: _round_to_error(value, error) for name, _, _, value, error in each}
+    for name, _, unit, _, _ in each:
+        value, error = (f"{text} {unit}".strip() for text in texts[name])
+        lines.append(_toml_line(name, value, error))
+    text = "\n".join(lines)
+    if toml:
+        say(text)
+    elif as_json:
+        numbers = {name: value for name, _, _, value, _ in each}
+        errors = {f"{name}_error": error for name, _, _, _, error in each}
+        more = {"other_frequencies": [*result.other_frequencies], "left_over": result.left_over}
+        document({"recording": str(recording), **numbers, **errors, **more})
+    else:
+        say(f"{recording}: {result.samples:,} samples from {result.start:.4g} s")
+        for name, label, unit, _, _ in each:
+            say(f"  {label}: {_with_error(*texts[name])} {unit}".rstrip())
+        others = ", ".join(f"{one:.4g} Hz" for one in result.other_frequencies)
+        if others:
+            say(f"  other modes: {others}")
+        say(f"  not explained by the fit: {PERCENT * result.left_over:.2g} % of the ring-down")
+    return text
 
 
 def toml_of(fit: Fit, recording: Path) -> str:

@@ -21,9 +21,6 @@ from vibrafeed.core.dataset.table import Table
 if TYPE_CHECKING:
     import zarr
 
-_LINK = "coordinates"
-"""The attribute that links variables to coordinates; it follows from dimensions."""
-
 
 def write_zarr(table: Table, where: str, storage: Storage) -> None:
     """Write a table as a Zarr group, in a folder or at a URL; it can be opened once complete.
@@ -108,8 +105,6 @@ def create_arrays(
 
     # lz4 is the fastest that every reader of version 3 has; a shuffle helps floats.
     packed = [BloscCodec(cname="lz4", clevel=5)] if compressed else None
-    scalars = " ".join(name for name, one in table.coordinates.items() if not one.dims)
-    links = {_LINK: scalars} if scalars else {}
     for name, variable in {**table.coordinates, **table.variables}.items():
         shape = tuple(
             sizes.get(dim, size)
@@ -128,7 +123,7 @@ def create_arrays(
             dimension_names=variable.dims,
             attributes={
                 **_plain(variable.attributes),
-                **(links if name in table.variables else {}),
+                **(table.links(name) if name in table.variables else {}),
             },
         )
     group.attrs.update(_plain(table.attributes))

@@ -100,18 +100,7 @@ def _define(
         storage: dict[str, Any] = {"chunksizes": chunks.get(name) or None}
         if compression and variable.dims:
             storage |= {"compression": "zlib", "complevel": LEVEL}
-        _add(file, name, variable, **storage).setncatts(_links(table, name))
-
-
-def _links(table: Table, name: str) -> dict[str, str]:
-    """Return the CF attribute that links a variable to its coordinates that are no axes.
-
-    They are names in a text; `name` is that of a variable of the table. The result may be empty.
-    """
-    dims = set(table.variables[name].dims)
-    others = [n for n, one in table.coordinates.items() if one.dims != (n,)]
-    near = [n for n in others if set(table.coordinates[n].dims) <= dims]
-    return {"coordinates": " ".join(near)} if near else {}
+        _add(file, name, variable, **storage).setncatts(table.links(name))
 
 
 def _add(

@@ -61,6 +61,16 @@ class Table:
     attributes: Attributes
     price: Attributes = field(default_factory=dict)
 
+    def links(self, name: str) -> dict[str, str]:
+        """Return the CF attribute that links a variable to its coordinates that are no axes.
+
+        They are names in a text; `name` is that of a variable. The result may be empty.
+        """
+        dims = set(self.variables[name].dims)
+        others = [n for n, one in self.coordinates.items() if one.dims != (n,)]
+        near = [n for n in others if set(self.coordinates[n].dims) <= dims]
+        return {"coordinates": " ".join(near)} if near else {}
+
     def with_price(self, price: Attributes) -> "Table":
         """Return the table with other attributes for the cost of computing it, such as seconds."""
         return replace(self, price=price)

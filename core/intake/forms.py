@@ -21,7 +21,7 @@ from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.intake.part import with_part
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, read_rows, with_posteriors
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.measured.csv_table import decoded
+from vibrafeed.core.tables.text import text_of
 
 # --- Reading what stands in TOML and JSON, from files and from the network.
 
@@ -354,13 +354,19 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
         runs = Path(content["observations"])
         moved = read_rows(runs) if form in REQUESTS else _path_from(runs, form, folder)
         content = {**content, "observations": moved}
+    designs = content.get("designs")
+    if isinstance(designs, Mapping) and isinstance(designs.get("file"), str):
+        table = Path(designs["file"])
+        there = {"file": _path_from(table, form, folder)}
+        kept = read_rows(table, "designs") if form in REQUESTS else there
+        content = {**content, "designs": kept}
     drive = content.get("drive")
     if not isinstance(drive, Mapping) or not isinstance(drive.get("file"), str):
         return dict(content)
     file = Path(drive["file"])
     if form in REQUESTS:
         try:
-            data = decoded(file.read_bytes())
+            data = text_of(file.read_bytes())
         except (OSError, ValueError) as error:
             raise refused("drive.file", f"{file} cannot be read: {error}", "Name a CSV") from None
         rest = {name: value for name, value in drive.items() if name != "file"}

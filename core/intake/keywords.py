@@ -2,20 +2,20 @@
 
 import difflib
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 from vibrafeed.core.errors import Problem, raise_any, refused
 from vibrafeed.core.intake.forms import LARGEST, TOO_LARGE, keys_of_studies, read_content
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
 from vibrafeed.core.study.units import apart, dimension_of, with_own_unit
-from vibrafeed.core.study.values import MAX_POINTS
+from vibrafeed.core.study.values import DESIGN, MAX_POINTS
+from vibrafeed.core.tables.headings import name_and_unit
 
 StudyLike = Study | Mapping[str, Any] | str | os.PathLike[str]
 """What stands for a study; a text is the name of a scene, or the path of a TOML or JSON file."""
@@ -73,7 +73,7 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
         If a parameter is given twice, or is an endless range; if labelled arrays belong together
         row by row.
     """
-    check_not_paired(written)
+    paired = paired_in(written)
     content: dict[str, Any] = {}
     loose: dict[str, Any] = {}
     for name, value in written.items():
@@ -81,6 +81,9 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
             content[str(name)] = plain(value, str(name))
         else:
             loose[str(name)] = plain(value, f"parameters.{name}")
+    for place in (loose, content.get("parameters")):
+        if isinstance(place, dict):
+            place |= {name: {DESIGN: place[name]} for name in paired & place.keys()}
     if isinstance(content.get("outputs"), str):
         content["outputs"] = [content["outputs"]]
     inner = content.get("parameters", {})
@@ -98,38 +101,32 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
     return content
 
 
-def check_not_paired(written: Mapping[str, Any]) -> None:
-    """Raise `StudyError` if labelled arrays of parameters have a dimension in common.
+def paired_in(written: Mapping[str, Any]) -> set[str]:
+    """Return the names of parameters whose labelled arrays have a dimension in common.
 
-    A study takes all combinations of the values, which is not meant then. `written` is the content
-    of a study, with parameters beside the keys or among `parameters`.
+    They have one value in each design. `written` is the content of a study, with parameters beside
+    the keys or among `parameters`. Raises `StudyError` if an array is along a parameter that is no
+    array, or if there are several such dimensions.
     """
     inner = written.get("parameters")
     given = {**written, **inner} if isinstance(inner, Mapping) else written
-    dims = {letter_of(name): dimension_of(value) for name, value in given.items()}
-    along = {name: letter_of(dim) for name, dim in dims.items() if name in PARAMETERS and dim}
-    problems = [
-        *(
-            Problem(
-                f"parameters.{second}",
-                f"its array and that of {first} are both along '{dim}', "
-                "which makes pairs of their values, and a study takes all combinations",
-                "Give lists if all combinations are meant, else make one study for each pair",
-            )
-            for (first, dim), (second, other) in combinations(along.items(), 2)
-            if dim == other
-        ),
-        *(
-            Problem(
-                f"parameters.{name}",
-                f"its array is along '{dim}', another parameter",
-                f"Give a list if all combinations with {dim} are meant",
-            )
-            for name, dim in along.items()
-            if dim != name and dim in PARAMETERS
-        ),
-    ]
-    raise_any(problems)
+    dims = {str(name): letter_of(dimension_of(value)) for name, value in given.items()}
+    along = {name: dim for name, dim in dims.items() if letter_of(name) in PARAMETERS and dim}
+    counts = Counter(along.values())
+    shared = [dim for dim, count in counts.items() if count > 1 or dim == DESIGN]
+    if len(shared) > 1:
+        message = f"arrays share the dimensions {' and '.join(shared)}, and designs have one"
+        raise refused("designs", message, "Give all of them along one dimension")
+    raise_any(
+        Problem(
+            f"parameters.{name}",
+            f"its array is along '{dim}', another parameter",
+            f"Give a list if all combinations with {dim} are meant",
+        )
+        for name, dim in along.items()
+        if dim != letter_of(name) and dim in PARAMETERS and dim not in shared
+    )
+    return {name for name, dim in along.items() if dim in shared}
 
 
 def plain(value: object, path: str) -> Any:

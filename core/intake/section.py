@@ -23,6 +23,8 @@ from vibrafeed.core.study.grid_study import (
 from vibrafeed.core.study.units import UnitError, read_numbers
 from vibrafeed.core.study.unusual import leaves_of
 from vibrafeed.core.suggestions import Suggestions
+from vibrafeed.core.tables.read import read_table
+from vibrafeed.core.tables.table import InputTable
 
 Content = dict[str, Any]
 """What stands in a study: its keys and their values, as a file or request has them."""
@@ -454,14 +456,14 @@ def source_of(
     return file
 
 
-def _table(source: str | Path, path: str, files: bool) -> "measured.RecordingTable":
+def _table(source: str | Path, path: str, files: bool) -> InputTable:
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     limit = f"the limit over HTTP is {MAX_ROWS_SENT:,}"
     fix = "Shorten the recording: one second of motion is enough"
     if not files and lines > 2 * MAX_ROWS_SENT:
         raise refused(path, f"the recording has {lines:,} lines, {limit}", fix)
-    table = measured.read_table(source)
+    table = read_table(source)
     if not files and len(table.lines) > MAX_ROWS_SENT:
         raise refused(path, f"the recording has {len(table.lines):,} rows, {limit}", fix)
     return table

@@ -1,11 +1,7 @@
 """The sections that studies have; a kind has those that are keys of its model."""
 
-import csv
-import io
-import itertools
-import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from itertools import islice
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -21,32 +17,28 @@ from vibrafeed.core.intake.section import (
     Stranger,
     advice_on_path,
     dotted,
+    file_beside,
     no_field,
     no_parameter,
-)
-from vibrafeed.core.measured.csv_table import (
-    ONE_MARK,
-    SEPARATOR,
-    contradictions,
-    decoded,
-    name_and_unit,
 )
 from vibrafeed.core.quantities import QUANTITIES, WORDS, by_letters, letter_of
 from vibrafeed.core.study.distributions import CALIBRATION
 from vibrafeed.core.study.grid_study import CRITERIA, DRIVE_ANGLES, MAX_RUNS, OBSERVED, PARAMETERS
 from vibrafeed.core.study.reduction import LevelSet, Reduction
-from vibrafeed.core.study.units import BARE_NUMBER, UnitError, unit_factor, with_unit
-from vibrafeed.core.system import installing
-
-_NUMBER_AND_UNIT = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?)(\s*[^\d\s.,].*)?")
-
+from vibrafeed.core.study.units import BARE_NUMBER, UnitError, unit_factor
+from vibrafeed.core.study.values import DESIGN
+from vibrafeed.core.suggestions import nearest
+from vibrafeed.core.tables.headings import stem_and_unit
+from vibrafeed.core.tables.read import read_table
+from vibrafeed.core.tables.table import Column
+from vibrafeed.core.tables.text import is_value
 
 # --- The section `observations`: rows of a study, or of a CSV or XLSX file with a heading.
 
 
-SUFFIXES = (".csv", ".xlsx")
 OWN: Final = (*OBSERVED, "error", "regime")
 """Columns that are no parameters."""
+_COLUMNS: Final = (*OWN, *PARAMETERS)
 HEADING = (
     "Begin it with a line of names and units, such as amplitude [mm], conveying_velocity [mm/s]"
 )
@@ -69,131 +61,49 @@ def _with_rows(content: Content, files: bool) -> Resolved:
         )
 
 
-def read_rows(path: Path) -> list[dict[str, Any]]:
-    """Return the rows of a CSV or XLSX file of observations, each a mapping by column.
+def read_rows(path: Path, section: str = "observations") -> list[dict[str, Any]]:
+    """Return the rows of a table in a file, each a mapping by parameter or measured output.
 
-    Numbers get the unit in the heading of their column, as texts; empty cells are left out. Raises
-    `StudyError` if the file cannot be read, or has no rows.
+    Numbers get the unit in the heading of their column, as texts; empty cells are left out, and so
+    are columns of remarks. `section` is the key of the study that names the file. Raises
+    `StudyError` if the file cannot be read, or has no rows or no names.
     """
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise refused(
-            "observations", f"'{path.name}' is not a CSV or XLSX file", "Save the table as CSV"
-        )
     try:
-        lines = [*islice(_workbook(path) if suffix == ".xlsx" else _csv(path), MAX_RUNS + 2)]
+        table = read_table(path, section)
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         raise refused(
-            "observations",
+            section,
             f"{path.name} cannot be read: {getattr(error, 'strerror', None) or error}",
-            advice_on_path(path, "Name a CSV or XLSX file in the study's folder"),
+            advice_on_path(path, "Name a table in the study's folder, such as a CSV or XLSX file"),
         ) from error
-    if len(lines) < 2:
-        raise refused("observations", f"{path.name} has no rows", HEADING)
-    names, units = _headings(lines[0], path)
-    for number, line in enumerate(lines[1:], 1):
-        if any(str(cell).strip() for cell in line[len(names) :]):
-            raise refused(
-                "observations",
-                f"row {number} of {path.name} has more cells than the heading",
-                "Where a comma is a decimal comma, separate the cells by semicolons",
-            )
-    return [
-        {
-            name: _value(cell, unit)
-            for name, unit, cell in zip(names, units, [*line, *[""] * len(names)], strict=False)
-            if name and str(cell).strip()
-        }
-        for line in lines[1:]
-    ]
+    if all(map(BARE_NUMBER.fullmatch, table.columns)):
+        raise refused(section, f"{path.name} has no heading", HEADING)
+    columns: dict[str, Column] = {}
+    for heading, column in table.columns.items():
+        name, unit = letter_of(heading), column.unit
+        stem, ending = stem_and_unit(heading)
+        if name not in _COLUMNS and letter_of(stem) in _COLUMNS:
+            name, unit = letter_of(stem), unit or ending
+        if name in columns:
+            message = f"{path.name} has two columns named {name[:60]}"
+            raise refused(section, message, "Name each column once")
+        if name in _COLUMNS or not _is_of_remarks(name, column):
+            columns[name] = replace(column, unit=unit)
+    return replace(table, columns=columns).rows()[:MAX_ROWS]
 
 
-def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
-    headings = [name_and_unit(str(cell)) for cell in cells]
-    names = [letter_of(name) for name, _ in headings]
-    twice = [name for k, name in enumerate(names) if name and name in names[:k]]
-    if twice:
-        raise refused(
-            "observations",
-            f"{path.name} has two columns named {twice[0][:60]}",
-            "Name each column once",
-        )
-    if not any(names) or all(BARE_NUMBER.fullmatch(name) for name in names):
-        raise refused("observations", f"{path.name} has no heading", HEADING)
-    return names, [unit for _, unit in headings]
+MAX_ROWS = MAX_RUNS + 1  # of a table: more are refused where they are counted
 
 
-def _value(cell: Any, unit: str) -> Any:
-    if isinstance(cell, int | float) and not isinstance(cell, bool):
-        return f"{cell!r} {unit}" if unit else cell
-    text = with_unit(str(cell), unit)
-    return float(text) if BARE_NUMBER.fullmatch(text) and "," not in text else text
+_NUMBERS_OF_ROWS = ("design", "nr", "no", "number", "run", "row", "index", "id", "#")
 
 
-def _csv(path: Path) -> Iterable[list[str]]:
-    lines = [
-        line
-        for line in decoded(path.read_bytes()).splitlines()
-        if line.strip(" ,;\t") and line[0] != "#"
-    ]
-    named = SEPARATOR.fullmatch(lines[0].strip()) if lines else None
-    lines = lines[1:] if named else lines
-    delimiter = named[1] if named else max(";\t,", key=lines[0].count) if lines else ","
-    rows = [*csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter)]
-    if delimiter == "," or not rows:
-        return rows
-    columns = dict(zip(rows[0], itertools.zip_longest(*rows[1:], fillvalue=""), strict=False))
-    numbers = {
-        name: [
-            found[1]
-            for cell in dict.fromkeys(cells)
-            if (found := _NUMBER_AND_UNIT.fullmatch(cell.strip()))
-        ]
-        for name, cells in columns.items()
-    }
-    for message in contradictions(numbers).values():
-        raise refused("observations", f"{path.name}: {message}", ONE_MARK)
-    return [[*map(_with_point, row)] for row in rows]
-
-
-def _with_point(cell: str) -> str:
-    # Beside semicolons and tabs a comma is a decimal comma.
-    found = _NUMBER_AND_UNIT.fullmatch(cell.strip())
-    return found[1].replace(",", ".") + (found[2] or "") if found else cell
-
-
-def _workbook(path: Path) -> Iterable[list[Any]]:
-    try:
-        import openpyxl
-    except ImportError:
-        raise refused(
-            "observations",
-            "reading XLSX needs openpyxl, which is not installed",
-            f"{installing('openpyxl')}, or save the table as CSV",
-        ) from None
-    try:
-        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
-    except (OSError, ValueError):
-        raise
-    except Exception as error:  # what a damaged workbook raises is of many kinds
-        raise ValueError(
-            "the file of observations is not an XLSX workbook, or is damaged"
-        ) from error
-    try:
-        for line in book.worksheets[0].iter_rows():
-            cells = [_shown_cell(cell) for cell in line]
-            if any(str(cell).strip() for cell in cells):
-                yield cells
-    finally:
-        book.close()
-
-
-def _shown_cell(cell: Any) -> Any:
-    if cell.value is None:
-        return ""
-    if isinstance(cell.value, int | float) and "%" in str(cell.number_format):
-        return f"{100 * cell.value:.15g} %"
-    return cell.value
+def _is_of_remarks(name: str, column: Column) -> bool:
+    # A misspelt name of a column of words is no remark.
+    if name.casefold().strip(".") in _NUMBERS_OF_ROWS:
+        return True
+    some = [cell for cell in column.cells if str(cell).strip()]
+    return not (any(is_value(str(cell)) for cell in some) or nearest(name, _COLUMNS))
 
 
 def _columns_of_parameters(rows: Any, _: Collection[str]) -> Iterable[str]:
@@ -216,6 +126,70 @@ def _unknown_column(stranger: Stranger) -> Problem:
         f"'{stranger.name}' is not a parameter, and not measured",
         stranger.suggest(stranger.name, known, shown),
     )
+
+
+# --- The section `designs`: rows of a table, or lists of parameters, whose values belong together.
+
+
+def paired(content: Any) -> tuple[Any, list[Problem]]:
+    """Return the content of a study with designs as values of its parameters, and problems.
+
+    A study lists designs as rows, or names lists of its parameters that are pairs, triples, ...;
+    a file is left as it is.
+    """
+    designs = content.get("designs") if isinstance(content, Mapping) else None
+    rows: Any = designs.get("rows") if isinstance(designs, Mapping) else designs
+    names = designs.get("zip") if isinstance(designs, Mapping) else None
+    if not isinstance(rows, list | tuple) and not isinstance(names, list | tuple):
+        return content, []
+    parameters = content.get("parameters", {})
+    parameters = parameters if isinstance(parameters, Mapping) else {}
+    problems = []
+    if isinstance(names, list | tuple):
+        columns: dict[str, Any] = {
+            letter_of(str(name)): parameters.get(str(name)) for name in names
+        }
+        problems += [
+            Problem("designs.zip", f"{name} is not a list of values", "Give one value a design")
+            for name, values in columns.items()
+            if not isinstance(values, list | tuple)
+        ]
+    else:
+        known = [row for row in rows if isinstance(row, Mapping)]
+        columns = {str(name): [row.get(name) for row in known] for row in known for name in row}
+        problems += [
+            Problem(f"designs row {values.index(None) + 1}", f"it has no {name}", "Give it")
+            for name, values in columns.items()
+            if None in values
+        ]
+        problems += [
+            Problem(
+                f"parameters.{name}", "it is given twice", "Remove it here, or from the designs"
+            )
+            for name in columns
+            if name in parameters
+        ]
+        if not columns:
+            problems.append(Problem("designs", "they have no rows", "Give rows of parameters"))
+    kept = {name: one for name, one in content.items() if name != "designs"}
+    if problems:
+        return kept, problems
+    pairs = {name: {DESIGN: values} for name, values in columns.items()}
+    return {**kept, "parameters": {**parameters, **pairs}}, []
+
+
+def _with_designs(content: Content, files: bool) -> Resolved:
+    designs = content["designs"]
+    if not isinstance(designs, Mapping) or set(designs) != {"file"}:
+        return Resolved(content)
+    rest = {name: one for name, one in content.items() if name != "designs"}
+    try:
+        if not files:
+            raise refused("designs.file", "the service reads no files", "Give rows = [...]")
+        rows = read_rows(Path(str(designs["file"])), "designs")
+    except StudyError as error:
+        return Resolved(rest, error.problems)
+    return Resolved(*paired({**rest, "designs": rows}))
 
 
 # --- The section `uncertain`: from the result of a calibration that a study names to its densities.
@@ -329,6 +303,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
         beside=lambda rows, folder: str(folder / rows) if isinstance(rows, str) else rows,
         resolve=_with_rows,
     ),
+    "designs": Section(names=lambda *_: (), beside=file_beside, resolve=_with_designs),
     "drive": DRIVE,
     "part": PART,
     "criterion": Section(outputs=_looked_for, tags=CRITERIA),
@@ -355,6 +330,8 @@ def in_letters(content: Any) -> tuple[Any, list[Problem]]:
         faults: list[Problem] = []
         if key in ("sensitivities", "reduce"):
             letters[key] = _reduction(raw) if isinstance(raw, Mapping) else _names(raw)
+        elif key == "designs" and isinstance(raw, list | tuple):
+            letters[key], faults = _rows(raw)
         elif key == "observations" and isinstance(raw, Mapping | list | tuple):
             letters[key], faults = _rows([raw] if isinstance(raw, Mapping) else raw)
         elif key in SECTIONS and SECTIONS[key].by_parameter and isinstance(raw, Mapping):

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake.forms import read_content, read_json, read_toml
 from vibrafeed.core.intake.section import Stranger, channel_questions, problems_of, tilt_questions
-from vibrafeed.core.intake.sections import SECTIONS, in_letters, words_in
+from vibrafeed.core.intake.sections import SECTIONS, in_letters, paired, words_in
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.pieces import Sketch
 from vibrafeed.core.plan.plan import plan_scene, scene_parameters
@@ -61,7 +61,9 @@ class Draft:
     def __post_init__(self) -> None:
         """Put letters for words; note each angle given by both as a problem."""
         self.words = words_in(self.content)
-        self.content, self.problems = in_letters(self.content)
+        lettered, self.problems = in_letters(self.content)
+        self.content, problems = paired(lettered)
+        self.problems += problems
 
     @property
     def kind(self) -> "Kind | None":

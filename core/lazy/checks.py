@@ -7,7 +7,7 @@ from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.quantities import FLAGS
 from vibrafeed.core.study.reduction import Reduction
-from vibrafeed.core.study.values import Fixed, Values
+from vibrafeed.core.study.values import DESIGN, Fixed, Paired, Values
 from vibrafeed.core.suggestions import Suggestions
 
 MOST_FOR_QUANTILES = 1 << 26
@@ -51,7 +51,8 @@ def _names(
     asked: Reduction, numbers: Sequence[str], outputs: Collection[str], values: Mapping[str, Values]
 ) -> Iterator[tuple[str, str, str, Sequence[str]]]:
     """Yield each name with its place, what it has to be, and the names that are."""
-    axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
+    several = {name: value for name, value in values.items() if not isinstance(value, Fixed)}
+    axes = [*dict.fromkeys(DESIGN if isinstance(v, Paired) else n for n, v in several.items())]
     for k, name in enumerate(asked.over):
         yield f"over.{k}", name, "an axis of this study", axes
     for k, name in enumerate(asked.of):
@@ -95,7 +96,7 @@ def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
 
 
 def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
-    depends = plan.depends_on(grid.axes)
+    depends = plan.depends_on(grid.along)
     for name, level in asked.levels.items():
         axes = depends.get(level.output, (level.along,))
         if level.along not in axes:

@@ -99,7 +99,7 @@ class Reduced(Prepared):
     @cached_property
     def cell_dims(self) -> dict[str, tuple[str, ...]]:
         """The axes of each output and verdict before they are reduced."""
-        depends = self.plan.depends_on(self.grid.axes)
+        depends = self.plan.depends_on(self.grid.along)
         names = (*self.plan.outputs, *self.plan.verdict_names)
         return {name: self.grid.dims(depends[name]) for name in names}
 
@@ -213,8 +213,10 @@ def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
     # CF's bounds would be its own way, but its checker knows none of a scalar.
     asked, grid = prepared.asked, prepared.grid
     coordinates = coordinates_of(prepared.plan, grid)
-    for axis in asked.over:
-        ends = np.sort(coordinates[axis].values[[0, -1]])
+    gone = [name for name, axis in grid.along.items() if axis in asked.over]
+    for axis in dict.fromkeys((*asked.over, *gone)):
+        values = coordinates[axis].values
+        ends = np.array([values.min(), values.max()])
         attributes = {**quantity_attributes(axis), "reduced_range": ends}
         coordinates[axis] = TableVariable((), np.asarray(ends.mean()), attributes)
     if asked.quantiles:

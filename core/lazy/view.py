@@ -96,6 +96,8 @@ class ZarrView:
         ]
         if name in grid.axes:
             values: Any = grid.axes[name].array(*ends[0])
+        elif name in grid.paired:
+            values = grid.paired[name].array(*ends[0])
         elif name in self._outline.coordinates:
             values = self._outline.coordinates[name].values
         else:

@@ -1,4 +1,4 @@
-"""Drives that have been measured: from the CSV of an accelerometer to the harmonics of a drive."""
+"""Drives that have been measured: from the recording of a sensor to the harmonics of a drive."""
 
 from typing import TYPE_CHECKING
 
@@ -9,26 +9,26 @@ __all__ = [
     "Fit",
     "Fold",
     "Recording",
-    "RecordingColumn",
-    "RecordingTable",
+    "RingDown",
     "Signal",
     "Tilt",
     "fit_drive",
+    "fit_ring_down",
     "fit_signal",
+    "moving_mass",
     "read_signal",
-    "read_table",
 ]
 
 if TYPE_CHECKING:
-    from vibrafeed.core.measured.csv_table import RecordingColumn, RecordingTable, read_table
     from vibrafeed.core.measured.fit import Clock, Fit, Fold, Tilt, fit_drive, fit_signal
     from vibrafeed.core.measured.recording import Recording, Signal, read_signal
+    from vibrafeed.core.measured.ring_down import RingDown, fit_ring_down, moving_mass
 else:
     __getattr__ = lazily(
         __name__,
         {
-            "csv_table": ("RecordingColumn", "RecordingTable", "read_table"),
             "fit": ("Clock", "Fit", "Fold", "Tilt", "fit_drive", "fit_signal"),
             "recording": ("Recording", "Signal", "read_signal"),
+            "ring_down": ("RingDown", "fit_ring_down", "moving_mass"),
         },
     )

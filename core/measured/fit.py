@@ -8,7 +8,6 @@ import numpy as np
 from numpy.polynomial.legendre import legval
 from numpy.typing import NDArray
 
-from vibrafeed.core.measured.csv_table import RecordingTable
 from vibrafeed.core.measured.harmonics import (
     DRIFT,
     Array,
@@ -24,6 +23,7 @@ from vibrafeed.core.measured.harmonics import (
 )
 from vibrafeed.core.measured.recording import STANDARD_GRAVITY, Recording, Signal, read_signal
 from vibrafeed.core.measured.validity import SIZE, check_before, check_fit, check_orders
+from vibrafeed.core.tables.table import InputTable
 
 # --- A drive as a recording tells it: harmonics, their errors, and what is left over.
 
@@ -67,12 +67,15 @@ class StrokeEllipse(NamedTuple):
         Semi-axes [m]: the amplitude along the line of the stroke, and across that line.
     angle : float
         Of the line to the transport direction, upwards [rad], in (-pi/2, pi/2].
+    phase : float
+        By which the motion normal leads the one along [rad], in [-pi, pi).
     """
 
     order: int
     major: float
     minor: float
     angle: float
+    phase: float
 
 
 class Fold(NamedTuple):
@@ -82,12 +85,12 @@ class Fold(NamedTuple):
     ----------
     phase : ndarray, shape (n,)
         w t, from 0 to 2 pi [rad], in the order of the samples.
-    accelerations, residual : ndarray, shape (axes, n)
-        Without constant and drift, and what is left over [m s-2].
+    values, residual : ndarray, shape (axes, n)
+        What was recorded without constant and drift, and what is left over.
     """
 
     phase: Array
-    accelerations: Array
+    values: Array
     residual: Array
 
 
@@ -190,6 +193,14 @@ class Fit:
         return np.maximum(np.einsum("jka,jkab,jkb->jk", unit, own, unit), 0.0)
 
     @property
+    def rest(self) -> Array:
+        """The rms of what the fit does not explain, shape (axes,), in the unit of the values."""
+        waves = self.amplitudes * (2.0 * np.pi * self.frequency * np.array(self.orders)) ** (
+            self.signal.derivative
+        )
+        return np.asarray(self.left_over * np.sqrt((waves**2).sum() / 2.0))
+
+    @property
     def stroke(self) -> StrokeEllipse | None:
         """The line of the stroke and its angle; None unless there are axes along and normal.
 
@@ -214,6 +225,7 @@ class Fit:
             major,
             minor,
             float(np.arctan2(2.0 * product.real, sizes[0] - sizes[1]) / 2.0),
+            float(wrap_angle(-np.angle(product))),
         )
 
     def parameters(self) -> dict[str, float]:
@@ -254,7 +266,7 @@ class Fit:
         return named
 
     def model(self, times: Array) -> Array:
-        """Return the accelerations of the fit at times of the recording, shape (axes, n) [m s-2].
+        """Return the fit at times of the recording, shape (axes, n), in the kind of its values.
 
         Harmonics, constant and drift, to compare with what was recorded; `times` are by the
         recorder's clock [s].
@@ -266,14 +278,16 @@ class Fit:
         ) + self.periodic(self._phase(times))
 
     def periodic(self, phase: Array) -> Array:
-        """Return the accelerations of the fitted harmonics at phases w t, shape (axes, n).
+        """Return the fitted harmonics at phases w t, shape (axes, n), in the kind of the values.
 
-        In m s-2, without constant and drift; `phase` is w t [rad], shape (n,), w the fundamental.
+        Without constant and drift: accelerations [m s-2], as a rule; `phase` is w t [rad], shape
+        (n,), w the fundamental.
         """
         orders = np.array(self.orders)
-        peaks = self.amplitudes * (2.0 * np.pi * self.frequency * orders) ** 2
-        angles = orders[:, None] * phase + self.phases[..., None]
-        return -np.einsum("jk,jkn->jn", peaks, np.sin(angles))
+        order = self.signal.derivative
+        peaks = self.amplitudes * (2.0 * np.pi * self.frequency * orders) ** order
+        angles = orders[:, None] * phase + self.phases[..., None] + order * np.pi / 2.0
+        return np.einsum("jk,jkn->jn", peaks, np.sin(angles))
 
     def displacement(self, phase: Array) -> Array:
         """Return the displacements of the track at phases w t [rad], shape (axes, n) [m]."""
@@ -283,7 +297,7 @@ class Fit:
     def fold(self) -> Fold:
         """Return all samples folded into one period, without constant and drift."""
         phase = np.mod(self._phase(self.signal.times), 2.0 * np.pi)
-        residual = self.signal.accelerations - self.model(self.signal.times)
+        residual = self.signal.values - self.model(self.signal.times)
         return Fold(phase, self.periodic(phase) + residual, residual)
 
     def _phase(self, times: Array) -> Array:
@@ -300,7 +314,7 @@ def wrap_angle(angle: float | Array) -> Array:
     return np.mod(np.asarray(angle) + np.pi, 2.0 * np.pi) - np.pi
 
 
-def fit_drive(source: str | Path | RecordingTable, recording: Recording) -> Fit:
+def fit_drive(source: str | Path | InputTable, recording: Recording) -> Fit:
     """Return the drive fitted to a recording: reads the signal, then fits it."""
     return fit_signal(read_signal(source, recording))
 
@@ -322,7 +336,7 @@ def fit_signal(signal: Signal) -> Fit:
     """
     check_before(signal)
     middle = (signal.times[0] + signal.times[-1]) / 2.0
-    samples = Samples(signal.times - middle, signal.accelerations)
+    samples = Samples(signal.times - middle, signal.values)
     start = fundamental(samples, signal.frequency, signal.line_frequency)
     check_orders(signal, samples, start)
     orders = orders_below(samples, start)[: signal.harmonics]
@@ -380,8 +394,8 @@ def _stated(
     strength = np.abs(solution.waves)
     lowest = int(np.flatnonzero(significant.any(axis=0))[0])
     largest = int(strength[:, lowest].argmax())
-    # -c/(k w)^2 is the displacement; turned by k theta, the reference has phase 0.
-    displacement = -solution.waves / (2.0 * np.pi * frequency * orders) ** 2
+    # c/(i k w)^d is the displacement; turned by k theta, the reference has phase 0.
+    displacement = solution.waves / (2.0j * np.pi * frequency * orders) ** signal.derivative
     theta = -float(np.angle(displacement[largest, lowest])) / solution.orders[lowest]
     displacement = displacement * np.exp(1j * orders * theta)
     displacement[largest, lowest] = np.abs(displacement[largest, lowest])
@@ -398,7 +412,7 @@ def _stated(
         phases=wrap_angle(np.angle(displacement)),
         significant=significant,
         covariance=_covariance_of_displacements(
-            covariance, solution, displacement, theta, (largest, lowest), line
+            covariance, solution, displacement, theta, (largest, lowest), line, signal.derivative
         ),
         constant=solution.drift[:, 0],
         drift=drift,
@@ -406,7 +420,7 @@ def _stated(
         drifting=np.sqrt(drift_squares) / periodic,
         effective_samples=samples.size
         * np.minimum(1.0 / (noise.weights * noise.densities[1 + lowest].diagonal()), 1.0),
-        tilt=_tilt_of(signal.axes, solution.drift[:, 0]),
+        tilt=_tilt_of(signal.axes, solution.drift[:, 0]) if signal.derivative == 2 else None,
         origin=samples.half + theta / (2.0 * np.pi * solution.frequency),
         signal=signal,
     )
@@ -430,17 +444,18 @@ def _covariance_of_displacements(
     theta: float,
     reference: tuple[int, int],
     line: float | None,
+    derivative: int,
 ) -> Array:
-    """Return the covariance of frequency [Hz] and displacements [m] of a fit of accelerations.
+    """Return the covariance of frequency [Hz] and displacements [m] of a fit.
 
     Shape (1 + 2 axes orders,) twice: the frequency, then real and imaginary part of each
-    displacement by axis and order. The complex displacement of order k is z = -c exp(i k theta)/(k
-    w)^2, with the acceleration c [m s-2] and the turn of the time origin theta = -arg(-c_ref)/k_ref
-    by the harmonic `reference` (axis, order): dz = -dc exp(i k theta)/(k w)^2 - i k z
-    Im(dc_ref/c_ref)/k_ref - 2 z df/f.
+    displacement by axis and order. The complex displacement of order k is z = c exp(i k theta)/(i k
+    w)^d, with the recorded wave c, its `derivative` d, and the turn of the time origin theta by the
+    harmonic `reference` (axis, order): dz = dc exp(i k theta)/(i k w)^d - i k z
+    Im(dc_ref/c_ref)/k_ref - d z df/f.
 
-    `covariance` is that of frequency and accelerations; `line` is a known frequency [Hz], which has
-    no error, or None.
+    `covariance` is that of frequency and waves; `line` is a known frequency [Hz], which has no
+    error, or None.
     """
     axes, size = solution.coefficients.shape
     first = solution.degree + 1
@@ -448,13 +463,13 @@ def _covariance_of_displacements(
     pairs = 1 + np.arange(axes)[:, None] * size + first + 2 * np.arange(orders.size)
     frequency = solution.frequency if line is None else line
     change = np.zeros((*waves.shape, len(covariance)), dtype=np.complex128)
-    scale = -np.exp(1j * orders * theta) / (2.0 * np.pi * frequency * orders) ** 2
+    scale = np.exp(1j * orders * theta) / (2.0j * np.pi * frequency * orders) ** derivative
     for axis in range(axes):
         for place in range(orders.size):
             own = pairs[axis, place]
             change[axis, place, own : own + 2] = scale[place], 1j * scale[place]
     if line is None:
-        change[..., 0] = -2.0 * displacement / frequency
+        change[..., 0] = -derivative * displacement / frequency
     own = pairs[reference]
     turn = np.array([1.0, 1j]) / waves[reference]
     share = orders / orders[reference[1]]

@@ -1,8 +1,8 @@
 """The description of a recording by its user, and the track accelerations that it then holds."""
 
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -12,17 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from vibrafeed.core.errors import Problem, raise_any, refused
-from vibrafeed.core.measured.csv_table import RecordingTable, gathered, read_table
-from vibrafeed.core.measured.times import read_times
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
+from vibrafeed.core.measured.times import LEAST_SAMPLES, Times, read_times
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.quantities.quantity import angle
-from vibrafeed.core.study.units import (
-    UnitError,
-    UnknownUnitError,
-    read_number,
-    unit_factor,
-)
+from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
+from vibrafeed.core.tables.files import FULL_SCALE
+from vibrafeed.core.tables.headings import stem_and_unit
+from vibrafeed.core.tables.read import read_table
+from vibrafeed.core.tables.table import InputTable
 
 # --- Detects a channel that was driven beyond its range.
 
@@ -134,7 +132,6 @@ def _rotation_of_angles(parts: list[object]) -> NDArray[np.float64]:
 
 AXES = ("along", "across", "normal")
 MAX_ORDERS = 10  # harmonics that are fitted
-LEAST_SAMPLES = 100  # samples that a recording needs
 STANDARD_GRAVITY = 9.80665  # [m s-2], what a sensor's "g" means, wherever it stands
 FREQUENCY = replace(QUANTITIES["frequency"], strict=True)  # a drive at rest has no harmonics
 
@@ -142,13 +139,33 @@ ACCELERATION = Quantity(
     "m s-2", "a", "Acceleration", "Acceleration of a channel.", examples=("1 g",)
 )  # fmt: skip
 NOTHING_SAID: Final[Mapping[str, tuple[float, float]]] = MappingProxyType({})
-ENDINGS = {
-    "g": "g", "mg": "mg", "ms2": "m/s2", "m_s2": "m/s2", "mps2": "m/s2", "m/s2": "m/s2",
-    "m/s^2": "m/s2", "m/s²": "m/s2", "mms2": "mm/s2", "mm_s2": "mm/s2", "mmps2": "mm/s2",
-    "mm/s2": "mm/s2", "mm/s^2": "mm/s2", "mm/s²": "mm/s2",
-}  # fmt: skip
-"""Ends of the names of columns that are units, as in ``acc_x_g`` and ``ax / g``."""
-_UNIT_IN_NAME = re.compile(rf"[_ /:,]\(?({'|'.join(map(re.escape, ENDINGS))})\)?\Z")
+_KINDS: Final[Mapping[int, Quantity]] = MappingProxyType(
+    {
+        2: ACCELERATION,
+        1: replace(ACCELERATION, unit="m s-1", label="Velocity"),
+        0: replace(ACCELERATION, unit="m", label="Displacement"),
+    }
+)
+"""Channels by how often the displacement is differentiated in them."""
+_VOLT = replace(ACCELERATION, unit="V", label="Voltage")
+_COUNTS = ("", "lsb", "count", "counts", "digit", "digits", "raw")
+_SENSITIVITY = re.compile(r"([\d.]+(?:[eE][-+]?\d+)?)\s*([^\s/]+)\s*(?:/|\bper\b)\s*\(?([^()]+)\)?")
+_AMOUNT = re.compile(r"([\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*)")
+_LISTED = "m s-2, mm s-2, cm/s2, g, mg, mm/s, mm"
+
+
+@contextmanager
+def gathered(problems: list[Problem], path: str = "") -> Iterator[None]:
+    """Add the problems found within to `problems`, so that what follows is looked at as well.
+
+    `path` is the place in the study of a value that may have a wrong unit.
+    """
+    try:
+        yield
+    except UnitError as error:
+        problems.append(problem(path, error))
+    except StudyError as error:
+        problems += error.problems
 
 
 @dataclass(frozen=True)
@@ -168,8 +185,12 @@ class Recording:
         whose columns are the sensor's axes in components along, across, normal. In line with the
         track if left out.
     unit : str, optional
-        Of the channels, where their headers do not name it, or in a word that is no unit:
-        ``m s-2``, ``mm s-2``, ``g``, ``mg``.
+        Of the channels, instead of the one in their headings: ``m s-2``, ``g``, ``mg`` of
+        accelerations, ``mm/s`` of velocities, ``mm`` or ``um`` of displacements.
+    sensitivity : str, optional
+        Of a sensor whose channels are voltages or counts: ``100 mV/g``, ``16384 counts/g``.
+    scale : str, optional
+        Full scale of the samples of a WAV file: ``10 g``, or ``5 V`` with a sensitivity.
     rate : float or str, optional
         Samples a second, if there is no column of times.
     time : str, optional
@@ -190,6 +211,8 @@ class Recording:
     sensor: tuple[str, str, str] | None = None
     mounting: Angles | Sequence[Sequence[float]] | None = None
     unit: str | None = None
+    sensitivity: str | None = None
+    scale: str | None = None
     rate: float | str | None = None
     time: str | None = None
     line_frequency: float | str | None = None
@@ -199,18 +222,19 @@ class Recording:
 
 
 class Signal(NamedTuple):
-    """Sound accelerations of the track, and what is known of their drive beforehand.
+    """A sound recording of the track's motion, and what is known of its drive beforehand.
 
     Attributes
     ----------
     times : ndarray, shape (n,)
         By the recorder's clock [s], ascending.
-    accelerations : ndarray, shape (axes, n)
-        [m s-2], as a sensor at rest shows them: +g upwards.
+    values : ndarray, shape (axes, n)
+        Accelerations [m s-2], as a sensor at rest shows them: +g upwards; or velocities [m s-1], or
+        displacements [m].
     axes : tuple of str
         Which of along, across, normal.
     resolution : ndarray, shape (axes,)
-        Smallest step between two values [m s-2]; 0 if nothing is known of it.
+        Smallest step between two values; 0 if nothing is known of it.
     line_frequency, frequency : float, optional
         [Hz], as in `Recording`.
     harmonics : int, optional
@@ -218,10 +242,14 @@ class Signal(NamedTuple):
         [rad], as in `Recording`.
     assumed : str
         The column of times that was taken for seconds, since nothing names its unit.
+    derivative : int
+        How often the displacement is differentiated in the values: 2 for accelerations.
+    notes : tuple of str
+        What of the recording was not used, in words.
     """
 
     times: NDArray[np.float64]
-    accelerations: NDArray[np.float64]
+    values: NDArray[np.float64]
     axes: tuple[str, ...]
     resolution: NDArray[np.float64]
     line_frequency: float | None = None
@@ -229,15 +257,17 @@ class Signal(NamedTuple):
     harmonics: int | None = None
     slopes: Mapping[str, tuple[float, float]] = NOTHING_SAID
     assumed: str = ""
+    derivative: int = 2
+    notes: tuple[str, ...] = ()
 
 
-def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Signal:
-    """Return the accelerations of a track from a recording, in the axes of the track, with times.
+def read_signal(source: str | Path | InputTable, recording: Recording) -> Signal:
+    """Return the motion of a track from a recording, in the axes of the track, with times.
 
     Parameters
     ----------
-    source : str, Path or RecordingTable
-        The recording: CSV text, the path of a CSV file, or the table read from it.
+    source : str, Path or InputTable
+        The recording: the text of a table, the path of a file, or the table read from it.
     recording : Recording
         Section of the study that says which columns hold what: axes, units, times, mounting.
 
@@ -246,15 +276,16 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
     StudyError
         With all problems at once: columns, cells, units, times, numbers, clipped channels.
     """
-    table = source if isinstance(source, RecordingTable) else read_table(source)
+    table = source if isinstance(source, InputTable) else read_table(source)
     problems: list[Problem] = []
+    times = Times(np.zeros(0))
     with gathered(problems):
-        times, assumed = read_times(table, recording.rate, recording.time)
+        times = read_times(table, recording.rate, recording.time)
     names = _channels(recording, problems)
     channels = []
     for path, name in names:
         with gathered(problems):
-            channels.append(_channel(table, path, name, recording.unit))
+            channels.append(_channel(table, path, name, recording))
     with gathered(problems):
         turned = _rotation(recording.mounting)
     known = {}
@@ -279,22 +310,32 @@ def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Si
                 f"Record at least {LEAST_SAMPLES} samples over ten periods or more",
             )
         )
+    if len({kind for *_, kind in channels}) > 1:
+        problems.append(
+            Problem(
+                "unit",
+                "some channels are accelerations, others velocities or displacements",
+                "Name channels of one kind",
+            )
+        )
     raise_any(problems)
-    accelerations = np.array([values for values, _ in channels])
-    resolution = np.array([step for _, step in channels])
+    values = np.array([one[0] for one in channels])[:, times.kept]
+    resolution = np.array([one[1] for one in channels])
     axes = tuple(path for path, _ in names)
     if recording.sensor is not None:
-        accelerations, axes = turned @ accelerations, AXES
+        values, axes = turned @ values, AXES
         resolution = np.sqrt(turned**2 @ resolution**2)
     return Signal(
-        times,
-        accelerations,
+        times.seconds,
+        values,
         axes,
         resolution,
         **known,
         harmonics=count,
         slopes=recording.slopes,
-        assumed=assumed,
+        assumed=times.assumed,
+        derivative=channels[0][2],
+        notes=(times.note,) if times.note else (),
     )
 
 
@@ -340,45 +381,91 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
 
 
 def _channel(
-    table: RecordingTable, path: str, name: str, unit: str | None
-) -> tuple[NDArray[np.float64], float]:
+    table: InputTable, path: str, name: str, recording: Recording
+) -> tuple[NDArray[np.float64], float, int]:
+    # Values in SI, their smallest step, and how often the displacement is differentiated in them.
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
-    column = table.column(name if sign > 0 else name[1:].strip(), path)
-    ending = _UNIT_IN_NAME.search(name.casefold())
-    headed = column.unit or (ENDINGS[ending[1]] if ending else "")
-    problems: list[Problem] = []
-    factor = math.nan
+    name = name if sign > 0 else name[1:].strip()
+    values, headed = table.numbers(name, path)
+    headed = headed or _unit_at_end(name)
+    problems = list(clipping_problems(path, name, values, table.lines))
+    factor, kind = 1.0, 2
     with gathered(problems):
-        factor = _factor(path, name, headed, unit)
-    problems += clipping_problems(path, name, column.values, table.lines)
+        factor, kind = _factor_and_kind(path, name, headed, recording)
     raise_any(problems)
-    gaps = np.diff(np.unique(column.values))
+    gaps = np.diff(np.unique(values))
     step = float(gaps.min()) if gaps.size else 0.0
-    return sign * factor * column.values, factor * step
+    return sign * factor * values, factor * step, kind
 
 
-def _factor(path: str, name: str, headed: str, unit: str | None) -> float:
-    listed = "m s-2, mm s-2, cm/s2, g, mg"
-    factors = []
-    for text, key in ((headed, path), (unit, "unit")):
-        try:
-            factors += [unit_factor(name, ACCELERATION, text)] if text else []
-        except UnitError as error:
-            if key == path and unit and isinstance(error, UnknownUnitError):
-                continue  # a word that is no unit at all, beside the key that says it
-            raise refused(
-                key, f"'{str(text)[:40]}' is not a unit of acceleration", f"Known: {listed}"
-            ) from None
-    if not factors:
+def _factor_and_kind(path: str, name: str, headed: str, recording: Recording) -> tuple[float, int]:
+    key = "unit" if recording.unit else path
+    unit, factor = recording.unit or headed, 1.0
+    if unit == FULL_SCALE:
+        factor, unit = _amount(recording.scale, name)
+        key = "scale"
+    if recording.sensitivity is not None:
+        return _by_sensitivity(recording.sensitivity, unit, factor)
+    if not unit:
         raise refused(
             "unit",
             f"the unit of the recording's column '{name}' is not given",
-            f"Give unit = one of {listed}, or write the unit in the header: '{name} [g]'",
+            f"Give unit = one of {_LISTED}, or write the unit in the header: '{name} [g]'",
         )
-    if len(set(factors)) > 1:
+    for kind, quantity in _KINDS.items():
+        try:
+            return factor * float(unit_factor(name, quantity, unit)), kind
+        except UnitError:
+            continue
+    if _volts(unit) is not None:
         raise refused(
-            "unit",
-            f"column '{name}' has two units: {headed} in its header, {unit} in the key unit",
-            "Leave out the key unit, or correct the header of the recording",
+            path,
+            f"column '{name}' is a voltage ({unit})",
+            'Give the sensor\'s sensitivity, such as sensitivity = "100 mV/g"',
         )
-    return float(factors[0])
+    raise refused(key, f"'{unit[:40]}' is not a unit of acceleration", f"Known: {_LISTED}")
+
+
+def _unit_at_end(name: str) -> str:
+    unit = stem_and_unit(name)[1]
+    return "" if unit in ("s", "ms", "us", "ns", "min") else unit
+
+
+def _volts(unit: str) -> float | None:
+    try:
+        return float(unit_factor("channel", _VOLT, unit))
+    except UnitError:
+        return None
+
+
+def _amount(text: str | None, name: str) -> tuple[float, str]:
+    match = _AMOUNT.fullmatch((text or "").strip())
+    if match is None:
+        raise refused(
+            "scale",
+            f"the samples of channel {name} are shares of a full scale that is not given",
+            'Give it, such as scale = "10 g", or scale = "5 V" and a sensitivity',
+        )
+    return float(match[1]), match[2]
+
+
+def _by_sensitivity(text: str, unit: str, factor: float) -> tuple[float, int]:
+    # "100 mV/g" is signal over quantity, "5 mm/s/V" quantity over signal.
+    found = _SENSITIVITY.fullmatch(text.strip())
+    number, own, measured_in = found.groups() if found else ("1", "", "")
+    for kind, quantity in _KINDS.items():
+        try:
+            measured = float(unit_factor("sensitivity", quantity, measured_in))
+        except UnitError:
+            continue
+        if own.casefold() in _COUNTS and unit.casefold() in _COUNTS:
+            return factor * measured / float(number), kind
+        volts, of_column = _volts(own), _volts(unit or "V")
+        if volts is not None and of_column is not None:
+            return factor * of_column / volts * measured / float(number), kind
+    raise refused(
+        "sensitivity",
+        f"'{text[:40]}' is not a sensitivity for channels in {unit or 'counts'}",
+        'Write what the sensor gives for its quantity, such as "100 mV/g" or "16384 counts/g", and '
+        "the unit of the channels: V, mV or counts",
+    )

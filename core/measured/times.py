@@ -1,54 +1,83 @@
 """The times of samples: a rate, or a column that ascends in steps of which most are equal."""
 
-import re
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibrafeed.core.errors import StudyError, refused
-from vibrafeed.core.measured.csv_table import RecordingTable
 from vibrafeed.core.quantities import Quantity
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
+from vibrafeed.core.tables.headings import stem_and_unit
+from vibrafeed.core.tables.table import InputTable
 
 RATE = Quantity(
     "Hz", "f_s", "Sampling rate", "Samples a second.", 0.0, strict=True, parameter=True,
     examples=("5 kHz",),
 )  # fmt: skip
 SECONDS = Quantity("s", "t", "Time", "Time of a sample.", examples=("1 ms",))
-LONGEST_UNIT = 60.0  # s
-USUAL_NAMES = ("time", "t", "timestamp", "elapsed", "zeit", "temps", "tiempo", "tempo", "x_value")
+USUAL_NAMES = (
+    "",
+    "time",
+    "t",
+    "timestamp",
+    "elapsed",
+    "zeit",
+    "temps",
+    "tiempo",
+    "tempo",
+    "x_value",
+)
 """Names of a column of times, without what they say of its unit; the last is LabVIEW's."""
-ENDINGS = {
-    "s": "s sec secs second seconds",
-    "ms": "ms msec millis millisecond milliseconds",
-    "us": "us µs μs usec micros microsecond microseconds",
-    "ns": "ns nanos nanosecond nanoseconds",
-    "min": "min minutes",
-}
-"""Last words of names that are units, by the unit: ``time_ms``, ``t_us``, ``seconds``."""
+DAYS = 20_000.0, 80_000.0  # of dates of Excel, from 1954 to 2119
+SHORT = 1e-5  # steps of a column without a unit that are days rather than seconds
+PERIODS = (2.0**16, 2.0**24, 2.0**32, 60.0, 3600.0, 86_400.0)
+"""Counts after which counters and clocks begin anew."""
+LEAST_SAMPLES = 100  # samples that a recording needs
 UNEVEN = 0.5  # of a step: larger deviations count as lost samples, or as samples that came early
 MOST_LOST = 0.1  # of the samples, which may be lost; the others are fitted at their true times
 ROUNDED = 0.75
 """Deviation from even times that is rounding, over the unit that times are rounded to."""
 
 
-def read_times(
-    table: RecordingTable, rate: float | str | None, time: str | None
-) -> tuple[NDArray[np.float64], str]:
-    """Return the times of the samples of a recording [s], and the column taken for seconds.
+class Times(NamedTuple):
+    """The times of the samples of a recording that are used.
+
+    Attributes
+    ----------
+    seconds : ndarray
+        From the first sample [s].
+    kept : slice
+        The samples that are used.
+    assumed : str
+        The column that was taken for seconds, since nothing names its unit; else "".
+    note : str
+        What was left out, in words; else "".
+    """
+
+    seconds: NDArray[np.float64]
+    kept: slice = slice(None)
+    assumed: str = ""
+    note: str = ""
+
+
+def read_times(table: InputTable, rate: float | str | None, time: str | None) -> Times:
+    """Return the times of the samples of a recording.
 
     They come from `rate`, samples a second (a number or a text with a unit), or from the column
     `time` of the `table`, by default one with a usual name, or the only one whose heading has a
-    unit of time. The unit stands in the heading, or at the end of the name, as in ``time_ms``; if
-    nothing names it, seconds are assumed, and the column is returned, else "". Times that differ
-    from even ones by no more than their own rounding are made even; others are kept, since least
-    squares needs no even times.
+    unit of time, or from the step that the file states. The unit stands in the heading, or at the
+    end of the name, as in ``time_ms``; if nothing names it, seconds are assumed, or days of Excel.
+    Counters that begin anew are continued. Times that differ from even ones by no more than their
+    own rounding are made even; others are kept, since least squares needs no even times. Of a
+    recording with large gaps the longest piece without one is used.
 
     Raises
     ------
     StudyError
         If they cannot be determined.
     """
+    count = len(table.lines)
     if rate is not None:
         if time is not None:
             raise refused(
@@ -57,35 +86,27 @@ def read_times(
                 "Give only the one that the recorder measures more accurately",
             )
         try:
-            return np.arange(len(table.lines)) / read_number("rate", RATE, rate), ""
+            return Times(np.arange(count) / read_number("rate", RATE, rate))
         except UnitError as error:
             raise StudyError([problem("rate", error)]) from None
     name = time or _column_of_times(table)
+    is_empty = name is not None and name in table.columns and table.is_faulty(name)
+    if table.step > 0.0 and time is None and (name is None or is_empty):
+        return Times(np.arange(count, dtype=np.float64) * table.step)
     if name is None:
         raise refused(
             "rate",
             "the recording has neither a sampling rate nor a column of times",
             "Give rate = the samples per second, or time = the name of the column of times",
         )
-    if name in table.columns and table.columns[name].faulty == len(table.lines):
-        line, text = table.columns[name].faults[0]
+    if is_empty:
         raise refused(
             "time",
             f"the cells of column '{name}' are not numbers and not times after ISO 8601, such "
-            f"as {text[:40]!r} in line {line}",
+            f"as {str(table.columns[name].cells[0]).strip()[:40]!r} in line {table.lines[0]}",
             "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002",
         )
-    column = table.column(name, "time")
-    unit = column.unit or _stem_and_unit(name)[1]
-    factor = _seconds(unit)
-    if factor is None:
-        raise refused(
-            "time",
-            f"the recording's time column has the unit '{column.unit[:40]}', which is "
-            "not a unit of time",
-            "Write s, ms, us or min in the header, or give the rate (rate) and leave time out",
-        )
-    times = factor * (column.values - column.values[0])
+    times, assumed = _seconds_of(table, name)
     steps, lines = np.diff(times), table.lines
     backward = np.flatnonzero(steps <= 0)
     if backward.size:
@@ -97,45 +118,74 @@ def read_times(
         )
     even = _even_if_rounded(times)
     if steps.size and even is times and _lost(steps) > MOST_LOST:
-        usual = float(np.median(steps))
-        worst = int(np.abs(steps / usual - 1.0).argmax())
+        return _longest_piece(times, assumed, name, lines)
+    return Times(even, assumed=assumed)
+
+
+def _seconds_of(table: InputTable, name: str) -> tuple[NDArray[np.float64], str]:
+    values, headed = table.numbers(name, "time")
+    unit = headed or stem_and_unit(name)[1]
+    steps = np.diff(values)
+    usual = float(np.median(steps)) if steps.size else 0.0
+    if not unit and DAYS[0] < values.min() and values.max() < DAYS[1] and 0.0 < usual < SHORT:
+        return 86_400.0 * (values - values[0]), name
+    factor = _factor(unit)
+    if factor is None:
+        raise refused(
+            "time",
+            f"the recording's time column has the unit '{unit[:40]}', which is not a unit of time",
+            "Write s, ms, us or min in the header, or give the rate (rate) and leave time out",
+        )
+    again = steps < 0
+    for period in PERIODS if again.any() else ():
+        if np.all(np.abs(steps[again] + period - usual) <= UNEVEN * usual):
+            values = values + period * np.concatenate([[0], np.cumsum(again)])
+            break
+    return factor * (values - values[0]), "" if unit else name
+
+
+def _longest_piece(
+    times: NDArray[np.float64], assumed: str, name: str, lines: NDArray[np.int64]
+) -> Times:
+    steps = np.diff(times)
+    usual = float(np.median(steps))
+    gaps = np.flatnonzero(steps > (1.0 + UNEVEN) * usual)
+    ends = np.concatenate([[0], gaps + 1, [times.size]])
+    longest = int(np.diff(ends).argmax())
+    kept = slice(int(ends[longest]), int(ends[longest + 1]))
+    used = kept.stop - kept.start
+    if used < LEAST_SAMPLES:
         raise refused(
             "time",
             f"the times in the recording's column '{name}' are not evenly spaced: steps are "
-            f"{1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms, usually "
-            f"{1e3 * usual:.4g} ms; the most uneven one is before line {lines[worst + 1]}",
-            "Cut out a piece of the recording without gaps, or record again: at most "
-            f"{100 * MOST_LOST:.0f} % of the samples may be lost",
+            f"{1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms, usually {1e3 * usual:.4g} ms; "
+            f"the longest one is before line {lines[int(steps.argmax()) + 1]}",
+            f"Record again: at most {100 * MOST_LOST:.0f} % of the samples may be lost, or a piece "
+            f"of {LEAST_SAMPLES} samples must have no gap",
         )
-    return even, "" if unit else name
+    note = (
+        f"the recording has {gaps.size} gap{'s' * (gaps.size > 1)}: the fit uses the longest "
+        f"piece without one, {used:,} of {times.size:,} samples"
+    )
+    return Times(_even_if_rounded(times[kept] - times[kept.start]), kept, assumed, note)
 
 
-def _stem_and_unit(name: str) -> tuple[str, str]:
-    plain = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).casefold()
-    plain = re.sub(r"[\s.,:/\-_]+", "_", plain).strip("_")
-    for unit, words in ENDINGS.items():
-        for word in words.split():
-            stem = plain.removesuffix(word)
-            if plain == word and len(word) > 1:
-                return USUAL_NAMES[0], unit
-            if stem != plain and (stem.endswith("_") or stem in USUAL_NAMES):
-                return stem.rstrip("_").removesuffix("_in"), unit
-    return plain, ""
-
-
-def _column_of_times(table: RecordingTable) -> str | None:
+def _column_of_times(table: InputTable) -> str | None:
     columns = table.columns.items()
-    usual = [name for name in table.columns if _stem_and_unit(name)[0] in USUAL_NAMES]
-    timed = [name for name, column in columns if column.unit and _seconds(column.unit)]
+    usual = [
+        name
+        for name in table.columns
+        if (found := stem_and_unit(name))[0] in USUAL_NAMES and _factor(found[1]) is not None
+    ]
+    timed = [name for name, column in columns if column.unit and _factor(column.unit)]
     return next(iter(usual), timed[0] if len(timed) == 1 else None)
 
 
-def _seconds(unit: str) -> float | None:
+def _factor(unit: str) -> float | None:
     try:
-        factor = float(unit_factor("time", SECONDS, unit or SECONDS.unit))
+        return float(unit_factor("time", SECONDS, unit or SECONDS.unit))
     except UnitError:
         return None
-    return factor if factor <= LONGEST_UNIT else None
 
 
 def _lost(steps: NDArray[np.float64]) -> float:

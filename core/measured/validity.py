@@ -24,16 +24,17 @@ from vibrafeed.core.measured.harmonics import (
 from vibrafeed.core.measured.recording import (
     AXES,
     FREQUENCY,
-    LEAST_SAMPLES,
     STANDARD_GRAVITY,
     Signal,
 )
+from vibrafeed.core.measured.times import LEAST_SAMPLES
 from vibrafeed.core.study.unusual import likely_unit_of_times
 
 STEPS = 1e-9, 1e3
 """Shortest and longest time from one sample to the next [s]: others are a wrong rate or unit."""
 ACCELERATIONS = 1e-9, 1e9
-"""Least and largest range of the values of a recording [m s-2]: their squares are floats."""
+"""Least and largest range of the values of a recording, in SI: their squares are floats."""
+_UNITS = "m", "m/s", "m/s2"
 MAX_CHANGE = 0.05
 """Largest change from the first third of a recording to the last, over the drive's rms."""
 CHANGE_ERRORS = 4.0  # standard errors that the change must exceed as well
@@ -48,7 +49,7 @@ def check_before(signal: Signal) -> None:
     the study gives too low or too high for the recording.
     """
     count = signal.times.size
-    valued, timed = np.isfinite(signal.accelerations).all(), np.isfinite(signal.times).all()
+    valued, timed = np.isfinite(signal.values).all(), np.isfinite(signal.times).all()
     problems = []
     if not (valued and timed):
         message = "the recording holds values that are not finite numbers"
@@ -66,7 +67,7 @@ def check_before(signal: Signal) -> None:
         )
     with np.errstate(over="ignore"):
         step = float(np.ptp(signal.times)) / (count - 1)
-        ranges = np.ptp(signal.accelerations, axis=1)
+        ranges = np.ptp(signal.values, axis=1)
     size = float(ranges.max())
     problems += [
         Problem("recording", message, fix)
@@ -78,9 +79,9 @@ def check_before(signal: Signal) -> None:
             ),
             (
                 valued and size and not ACCELERATIONS[0] <= size <= ACCELERATIONS[1],
-                f"the accelerations of the recording range over {size:.3g} m s-2, which no "
-                "feeder does",
-                "Give the unit of the acceleration columns, or record again",
+                f"the values of the recording range over {size:.3g} {_UNITS[signal.derivative]}, "
+                "which no feeder does",
+                "Give the unit of the columns, or record again",
             ),
             (
                 not ranges.any(),
@@ -150,6 +151,7 @@ def check_fit(
         problems += _not_seconds(signal, solution.frequency)
     if not problems:
         problems += _off(signal.line_frequency, solution.frequency)
+    if not problems and signal.derivative == 2:
         problems += gravity_problems(
             signal.axes, solution.drift[:, 0], float(periodic), signal.slopes
         )
@@ -191,8 +193,8 @@ def _unsteady(
     return [
         Problem(
             "recording",
-            f"the drive is not steady: its rms {axis} is {before:.4g} m/s2 in the first "
-            f"third, {after:.4g} in the last",
+            f"the drive is not steady: its rms {axis} is {before:.4g} "
+            f"{_UNITS[signal.derivative]} in the first third, {after:.4g} in the last",
             "Record when it has settled, or cut out a piece in which it is steady",
         )
         for axis, before, after, most in zip(signal.axes, first, last, allowed, strict=True)

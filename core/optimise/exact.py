@@ -435,7 +435,7 @@ def _family(problem: OptimisationProblem) -> Family | None:
     if problem.against not in (None, family.against):
         return None
     # The drive is as large in any direction: a vertical amplitude is not.
-    if plan.depends_on(problem.names).get("vibration_acceleration"):
+    if plan.depends_on({name: name for name in problem.names}).get("vibration_acceleration"):
         return None
     at_rest = "speed" not in plan.parameters and (
         plan.scene.name != "rectangle-on-track" or "centripetal_acceleration" in plan.defaults

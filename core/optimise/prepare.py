@@ -75,7 +75,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     method = _method(study, problem)
     if isinstance(study.criterion, Pareto):
         shares = Span(0.0, 1.0, study.criterion.points)
-        grid = Grid({**designs.axes, FRONT: shares}, designs.fixed)
+        grid = replace(designs, axes={**designs.axes, FRONT: shares})
     # What is chosen is no parameter of the result.
     return Optimisation(study, plan, grid, designs, problem, method).check_verification()
 

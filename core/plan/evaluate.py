@@ -79,7 +79,7 @@ def evaluate(
     """
     results: dict[str, NDArray[Any]] = dict(into or empty_results(plan, grid))
     cells = grid.size(list(groups_of(plan, grid))[-1])
-    graph = traced(plan, grid.axes) if cells > LOOPED_FROM else None
+    graph = traced(plan, grid.along) if cells > LOOPED_FROM else None
     fused = None if graph is None else Fused(plan, graph, grid)
     if fused is not None and is_compiled_for(fused.missing, cells):
         fused.run(results, threads, progress)
@@ -103,7 +103,7 @@ def evaluate_in_blocks(
     over the axes that it depends on, which is filled in SI units. `progress` is called after each
     block with its share of the grid.
     """
-    depends = plan.depends_on(grid.axes)
+    depends = plan.depends_on(grid.along)
     used = grid.dims(set().union(*(depends[name] for name in results)))
     steps = _steps(grid, used, block_cells)
     values = grid.si()
@@ -117,8 +117,11 @@ def evaluate_in_blocks(
             for axis, at in zip(steps, begin, strict=True)
         }
         here = {
-            axis: values[axis].take(range(part.start, part.stop), axis=[*grid.axes].index(axis))
-            for axis, part in where.items()
+            name: values[name].take(
+                range(where[axis].start, where[axis].stop), axis=[*grid.axes].index(axis)
+            )
+            for name, axis in grid.along.items()
+            if axis in where
         }
         _write(plan, grid, run(inner, start | here), where, results)
         if progress is not None:
@@ -147,7 +150,7 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
 def _write(
     plan: Plan, grid: Grid, known: Known, where: Mapping[str, slice], results: Results
 ) -> None:
-    depends, known = plan.depends_on(grid.axes), known | regimes(plan, known)
+    depends, known = plan.depends_on(grid.along), known | regimes(plan, known)
     for name, array in results.items():
         values = np.asarray(known[name])
         if values.ndim:  # every axis of the grid, of size 1 where it does not depend on it
@@ -158,7 +161,7 @@ def _write(
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
     """Return arrays, not filled, for the outputs (doubles) and verdicts (int8) of a plan."""
-    depends = plan.depends_on(grid.axes)
+    depends = plan.depends_on(grid.along)
     dtypes = dict.fromkeys(plan.outputs, np.float64) | dict.fromkeys(plan.verdict_names, np.int8)
     return {
         name: np.empty([grid.shape[axis] for axis in grid.dims(depends[name])], dtype)
@@ -268,7 +271,7 @@ class Fused:
 
 def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
     """Return the outputs and verdicts of a plan by the axes that they depend on, largest last."""
-    depends = plan.depends_on(grid.axes)
+    depends = plan.depends_on(grid.along)
     groups: dict[tuple[str, ...], list[str]] = {}
     for name in (*plan.outputs, *plan.verdict_names):
         groups.setdefault(grid.dims(depends[name]), []).append(name)

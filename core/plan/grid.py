@@ -9,9 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from vibrafeed.core.errors import refused
 from vibrafeed.core.mechanics.arrays import radians
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study.values import Band, Fixed, Points, Span, Values
+from vibrafeed.core.study.values import DESIGN, Band, Fixed, Paired, Points, Span, Values
 
 
 def to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -33,21 +34,51 @@ def from_si(name: str, values: NDArray[np.generic]) -> NDArray[np.generic]:
 class Grid:
     """Ranged parameters, in order, and fixed ones, in the units of studies.
 
-    `bands` has those of the fixed ones that are known within a band only.
+    `bands` has those of the fixed ones that are known within a band only, `paired` the parameters
+    that share the axis of designs.
     """
 
     axes: Mapping[str, Points | Span]
     fixed: Mapping[str, float]
     bands: Mapping[str, Band] = field(default_factory=dict)
+    paired: Mapping[str, Points] = field(default_factory=dict)
 
     @classmethod
     def of(cls, values: Mapping[str, Values]) -> "Grid":
-        """Return the grid of a study's parameters: those with several values are axes."""
+        """Return the grid of a study's parameters: those with several values are axes.
+
+        Raises `StudyError` if some have a value in more designs than others.
+        """
+        paired = {name: value for name, value in values.items() if isinstance(value, Paired)}
+        sizes = {name: value.size for name, value in paired.items()}
+        if len({*sizes.values()}) > 1:
+            listed = ", ".join(f"{size} of {name}" for name, size in sizes.items())
+            message = f"the parameters have different numbers of values: {listed}"
+            raise refused("designs", message, "Give each of them one value a design")
+        count = max(sizes.values(), default=0)
+        axes = {
+            name: value
+            for name, value in values.items()
+            if not isinstance(value, Fixed) and name not in paired
+        }
+        if count:
+            axes[DESIGN] = Points(tuple(map(float, range(1, count + 1))))
         return cls(
-            {name: value for name, value in values.items() if not isinstance(value, Fixed)},
+            axes,
             {name: value.value for name, value in values.items() if isinstance(value, Fixed)},
             {name: value for name, value in values.items() if isinstance(value, Band)},
+            paired,
         )
+
+    @cached_property
+    def along(self) -> dict[str, str]:
+        """The axis along which each ranged parameter changes: its own, or that of designs."""
+        own = {name: name for name in self.axes if name != DESIGN}
+        return own | dict.fromkeys(self.paired, DESIGN)
+
+    def values_of(self, name: str) -> Points | Span:
+        """Return the values of a ranged parameter, along its axis."""
+        return self.paired.get(name) or self.axes[name]
 
     @cached_property
     def shape(self) -> dict[str, int]:
@@ -74,7 +105,10 @@ class Grid:
             name: Points(tuple(axis.array(*box[name]))) if name in box else axis
             for name, axis in self.axes.items()
         }
-        return replace(self, axes=axes)
+        paired = self.paired
+        if DESIGN in box:
+            paired = {name: Points(one.values[slice(*box[DESIGN])]) for name, one in paired.items()}
+        return replace(self, axes=axes, paired=paired)
 
     def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> "Grid":
         """Return a smaller grid: the axes of a box, within its ends, with some fixed parameters."""
@@ -84,6 +118,7 @@ class Grid:
         return Grid(
             {name: axis for name, axis in self.axes.items() if name in box},
             {name: value for name, value in self.fixed.items() if name in wanted},
+            paired=self.paired if DESIGN in box else {},
         ).within(cut)
 
     def coordinate(self, name: str) -> NDArray[np.float64]:
@@ -97,7 +132,7 @@ class Grid:
         elif name in self.fixed:
             ends = np.array([self.fixed[name]])
         else:
-            axis = self.axes[name]
+            axis = self.values_of(name)
             ends = np.array([axis.start, axis.stop] if isinstance(axis, Span) else axis.values)
         ends = to_si(name, ends)
         return float(ends.min()), float(ends.max())
@@ -109,10 +144,11 @@ class Grid:
         """
         fixed = self.fixed.items()
         known = {name: parameter_to_si(name, np.asarray(value)) for name, value in fixed}
-        for position, name in enumerate(self.axes):
+        positions = {name: position for position, name in enumerate(self.axes)}
+        for name, axis in self.along.items():
             shape = [1] * len(self.axes)
-            shape[position] = -1
-            known[name] = parameter_to_si(name, self.coordinate(name)).reshape(shape)
+            shape[positions[axis]] = -1
+            known[name] = parameter_to_si(name, self.values_of(name).array()).reshape(shape)
         return known
 
     def at(
@@ -125,8 +161,10 @@ class Grid:
         """
         wanted = set(names)
         cells = {
-            name: np.array([axis.array(int(k), int(k) + 1)[0] for k in positions[name]])
-            for name, axis in self.axes.items()
+            name: np.array(
+                [self.values_of(name).array(int(k), int(k) + 1)[0] for k in positions[axis]]
+            )
+            for name, axis in self.along.items()
             if name in wanted
         }
         cells |= {name: np.full(count, v) for name, v in self.fixed.items() if name in wanted}

@@ -24,7 +24,7 @@ from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.study.grid_study import DrivenStudy, MeasuredDrive
 from vibrafeed.core.study.part_study import PartOfFile
-from vibrafeed.core.study.values import Fixed, Values
+from vibrafeed.core.study.values import DESIGN, Fixed, Values
 
 LEFT_OUT = "verified_left_out"
 """The attribute with the number of cells that a stop left without verifying; absent if it left
@@ -63,6 +63,10 @@ def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
     coordinates = {
         name: TableVariable((name,), grid.coordinate(name), quantity_attributes(name))
         for name in grid.axes
+    }
+    coordinates |= {
+        name: TableVariable((DESIGN,), np.array(one.values), quantity_attributes(name))
+        for name, one in grid.paired.items()
     }
     ends = {name: {BAND: np.array([one.low, one.high])} for name, one in grid.bands.items()}
     fixed: dict[str, Any] = {

@@ -132,14 +132,18 @@ class Plan:
             defaults={name: value for name, value in self.defaults.items() if name in needed},
         )
 
-    def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
+    def depends_on(self, along: Mapping[str, str]) -> dict[str, frozenset[str]]:
         """Return the axes on which each quantity and each verdict of the plan depend, by name.
 
         A quantity is computed over its own axes only, which saves most of the work on a large grid.
+        `along` has the axis of each ranged parameter.
         """
-        names = tuple(axes)
+        names = tuple(along.items())
         if names not in self._known:
-            known = {name: frozenset({name} & set(names)) for name in self.parameters}
+            known = {
+                name: frozenset(axis for one, axis in names if one == name)
+                for name in self.parameters
+            }
             known |= dict.fromkeys(self.defaults, frozenset())
             steps = {one.gives: one.inputs for one in self.equations}
             for name, inputs in (steps | {one.name: one.inputs for one in self.verdicts}).items():

@@ -86,7 +86,7 @@ class Prepared:
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The names of the axes of each variable of the result, by name, verdicts last."""
-        depends = self.plan.depends_on(self.grid.axes)
+        depends = self.plan.depends_on(self.grid.along)
         dims = {name: self.grid.dims(depends[name]) for name in self.plan.outputs}
         for added in self.added:
             dims |= added.dims(self.grid, depends)
@@ -310,7 +310,7 @@ def locate_problem(problem: Problem, study: Study) -> Problem:
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
     """Yield problems of parameters whose ends on the grid break a relation of the scene."""
-    given = {*grid.axes, *grid.fixed}
+    given = {*grid.along, *grid.fixed}
     for constraint in (*scene.constraints, *CONSTRAINTS):
         concerned = constraint.variant in ("", variant)
         if concerned and set(constraint.parameters) <= given:
@@ -388,7 +388,7 @@ def _is_compiled() -> bool:
 def _spread_cells(
     plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]]
 ) -> tuple[dict[str, Array], int, float]:
-    depends = plan.depends_on(grid.axes)
+    depends = plan.depends_on(grid.along)
     moved = frozenset().union(*(depends[one.gives] for one in plan.equations if one.takes_long))
     dims = {name: grid.shape[name] for name in grid.dims(moved)}
     cells = math.prod(dims.values())

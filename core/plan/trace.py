@@ -234,14 +234,14 @@ class Traced:
     results: Mapping[str, Any]
 
 
-def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
+def traced(plan: Plan, along: Mapping[str, str]) -> Traced | None:
     """Return the graph behind a plan's outputs and verdicts; None if an equation has none.
 
-    `axes` are the parameters with several values. Others are nodes too: equal plans share the
-    graph.
+    `along` has the axis of each parameter with several values. Others are nodes too: equal plans
+    share the graph.
     """
     given = (*plan.parameters, *plan.defaults)
-    ranged = tuple(name for name in axes if name in plan.parameters)
+    ranged = tuple((name, axis) for name, axis in along.items() if name in plan.parameters)
     return _traced(plan.equations, plan.verdicts, plan.outputs, given, ranged)
 
 
@@ -251,10 +251,11 @@ def _traced(
     verdicts: tuple[Verdict, ...],
     outputs: tuple[str, ...],
     parameters: tuple[str, ...],
-    ranged: tuple[str, ...],
+    ranged: tuple[tuple[str, str], ...],
 ) -> Traced | None:
     graph = Graph()
-    leaves = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}
+    axes = {name: {axis} for name, axis in ranged}
+    leaves = {name: graph.leaf(name, axes.get(name, ())) for name in parameters}
     try:
         known = run(equations, leaves)
         return Traced(graph, {n: known[n] for n in outputs} | regimes_of(verdicts, known))

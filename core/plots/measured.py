@@ -16,6 +16,7 @@ from vibrafeed.core.plots.style import LIGHT, Style, words
 AXES = ("along", "across", "normal")  # in the order of the colours of a series
 MAX_POINTS = 3000  # of one axis; more hide one another
 FINE = 721  # points of a smooth curve
+UNITS = "m", "m/s", "m/s²"  # of displacements, velocities and accelerations
 
 
 def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
@@ -65,32 +66,34 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
     curves = fit.periodic(smooth)
     some = slice(None, None, -(-fit.samples // MAX_POINTS))
     times = milliseconds * fold.phase[some]
-    last = panels[-1]
+    last, unit = panels[-1], UNITS[fit.signal.derivative]
     for panel, axis, values, curve, residual in zip(
-        panels[:-1], fit.axes, fold.accelerations, curves, fold.residual, strict=True
+        panels[:-1], fit.axes, fold.values, curves, fold.residual, strict=True
     ):
         colour = style.series[AXES.index(axis)]
         dots: Any = {"color": colour, "markersize": style.width(3.0), "alpha": 0.35}
         panel.plot(times, values[some], ".", zorder=2, **dots)
         panel.plot(milliseconds * smooth, curve, color=style.ink, linewidth=1.2, zorder=3)
-        panel.set_ylabel(f"{axis.capitalize()} (m/s²)")
+        panel.set_ylabel(f"{axis.capitalize()} ({unit})")
         last.plot(times, residual[some], ".", **dots)
     last.axhline(0.0, color=style.ink, linewidth=0.8)
     last.set(
-        ylabel="Residual (m/s²)", xlabel="Time in the period (ms)", xlim=(0.0, 1e3 / fit.frequency)
+        ylabel=f"Residual ({unit})",
+        xlabel="Time in the period (ms)",
+        xlim=(0.0, 1e3 / fit.frequency),
     )
 
 
 def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
     fold = fit.fold()
     window = np.hanning(fit.samples)
-    amplitude = 2.0 * np.abs(np.fft.rfft(fold.accelerations * window)) / window.sum()
+    amplitude = 2.0 * np.abs(np.fft.rfft(fold.values * window)) / window.sum()
     frequencies = (
         np.arange(amplitude.shape[1]) * fit.frequency / fit.periods * (1 - 1 / fit.samples)
     )
     shown = frequencies <= max(1.3 * fit.orders[-1], fit.orders[-1] + 1) * fit.frequency
     orders = np.array(fit.orders)
-    peaks = fit.amplitudes * (2.0 * np.pi * fit.frequency * orders) ** 2
+    peaks = fit.amplitudes * (2.0 * np.pi * fit.frequency * orders) ** fit.signal.derivative
     for axis, curve, row, significant in zip(
         fit.axes, amplitude, peaks, fit.significant, strict=True
     ):
@@ -104,7 +107,7 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
     axes.set(
         xlim=(0.0, float(frequencies[shown][-1])),
         xlabel="Frequency (Hz)",
-        ylabel="Amplitude (m/s²)",
+        ylabel=f"Amplitude ({UNITS[fit.signal.derivative]})",
     )
     handles = [
         Line2D([], [], color=style.series[AXES.index(axis)], label=axis) for axis in fit.axes

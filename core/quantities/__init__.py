@@ -42,6 +42,14 @@ __all__ = [
     "letter_of",
 ]
 
+DESIGNS = {
+    "design": Quantity(
+        "1", "", "Design",
+        "Number of a design, from 1: of a row of a table, or of a pair of values.", count=True,
+    ),
+}  # fmt: skip
+"""The axis of designs, along which parameters have one value each."""
+
 # In the order in which documents list them; those of one study share axes in this order.
 FAMILIES = (
     TRACK,
@@ -58,6 +66,7 @@ FAMILIES = (
     ROW,
     ROUND_PARTS,
     PLATE,
+    DESIGNS,
 )
 QUANTITIES: dict[str, Quantity] = {
     name: quantity for family in FAMILIES for name, quantity in family.items()

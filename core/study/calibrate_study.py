@@ -192,7 +192,7 @@ def spread_rows(raw: object) -> object:
         )
     rows: list[object] = []
     for number, entry in enumerate(raw, 1):
-        rows += _rows_of(entry, number) if isinstance(entry, Mapping) else [entry]
+        rows += map(_with_speed, _rows_of(entry, number)) if isinstance(entry, Mapping) else [entry]
         if len(rows) > MAX_RUNS:
             raise refusal(f"observations has more than {MAX_RUNS:,} runs", "Remove some runs")
     return rows
@@ -208,6 +208,18 @@ def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
         )
     for k in range(next(iter(lengths.values()), 1)):
         yield {str(n): value[k] if n in lengths else value for n, value in entry.items()}
+
+
+@refusing
+def _with_speed(row: Mapping[str, Any]) -> Mapping[str, Any]:
+    # What a stopwatch measures is the speed over a distance.
+    if row.get("distance") is None or row.get("time") is None or "conveying_velocity" in row:
+        return row
+    distance, time = (read_number(n, QUANTITIES[n], row[n]) for n in ("distance", "time"))
+    if not time > 0.0:
+        raise UnitError(f"a part takes {time:g} s over the distance", "Give a time above 0")
+    rest = {name: value for name, value in row.items() if name not in ("distance", "time")}
+    return {**rest, "conveying_velocity": distance / time}
 
 
 STEMS = {"unknowns": "", "offsets": "offset_", "factors": "factor_"}

@@ -27,7 +27,7 @@ from vibrafeed.core.errors import Problem
 from vibrafeed.core.quantities import QUANTITIES, WORDS, Quantity
 from vibrafeed.core.study.shown import read_shown
 from vibrafeed.core.study.units import UnitError, read_number
-from vibrafeed.core.study.values import Band, Values, is_band, read_values
+from vibrafeed.core.study.values import DESIGN, Band, Values, is_band, read_values
 
 # --- The drive of a study that has been measured: what a user writes of it, and what is kept.
 
@@ -60,7 +60,9 @@ class RecordedDrive(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     file: Path | None = Field(
-        None, description="Its CSV file, in the study's folder; over HTTP give data instead."
+        None,
+        description="Its file, in the study's folder: CSV, XLSX, LVM, MAT, WAV, TDMS or UFF; over "
+        "HTTP give data instead.",
     )
     data: str | None = Field(None, description="The text of the CSV.")
     along: _Column | None = Field(
@@ -78,8 +80,14 @@ class RecordedDrive(BaseModel):
         None, description="Yaw, pitch and roll of the sensor on the track, or its rotation matrix."
     )
     unit: _Column | None = Field(
-        None, description="Of the columns, where their headers do not say: g, mg, m s-2, mm s-2."
+        None,
+        description="Of the columns, instead of that in their headings: g, mg, m s-2, mm s-2; mm/s "
+        "of velocities; mm or um of displacements; V or mV with a sensitivity.",
     )
+    sensitivity: _Column | None = Field(
+        None, description="Of a sensor whose columns are voltages or counts: 100 mV/g."
+    )
+    scale: _Column | None = Field(None, description="Full scale of a WAV file: 8 g.")
     rate: _Number = Field(None, description="Samples per second, if there is no time column.")
     time: _Column | None = Field(None, description="Time column; time or t is found automatically.")
     line_frequency: _Number = Field(
@@ -408,6 +416,12 @@ def _values_schema(quantity: Quantity) -> dict[str, Any]:
             {"type": "array", "items": value, "minItems": 1},
             span,
             band,
+            {
+                "type": "object",
+                "properties": {DESIGN: {"type": "array", "items": value, "minItems": 1}},
+                "required": [DESIGN],
+                "additionalProperties": False,
+            },
             *([_PAIR] if "friction" in quantity.label.lower() else []),
         ],
         "examples": list(quantity.examples),
@@ -455,6 +469,35 @@ OutputName = Annotated[str, Field(max_length=100)]
 OutputNames = Annotated[tuple[OutputName, ...], at_most(MAX_OUTPUTS)]
 
 
+_CELL: Final = {"type": "object", "additionalProperties": NUMBER}
+_DESIGNS: Final = {
+    "anyOf": [
+        {"type": "array", "items": _CELL, "minItems": 1},
+        {
+            "type": "object",
+            "properties": {
+                "file": {"type": "string"},
+                "rows": {"type": "array", "items": _CELL, "minItems": 1},
+                "zip": {"type": "array", "items": {"type": "string"}, "minItems": 1},
+            },
+            "minProperties": 1,
+            "maxProperties": 1,
+            "additionalProperties": False,
+        },
+        {"type": "null"},
+    ],
+    "default": None,
+}
+
+
+def _refuse_designs(raw: object) -> None:
+    if raw is not None:
+        raise refusal(
+            "they are neither a table nor lists of parameters",
+            'Write file = "designs.csv", rows = [...], or zip = ["frequency", "amplitude"]',
+        )
+
+
 class Study(Frozen):
     """The fields of every kind of study: a scene, and parameters that may range over a grid."""
 
@@ -466,6 +509,12 @@ class Study(Frozen):
         description="Name of a scene; `vibrafeed scenes` lists them.", max_length=100
     )
     parameters: Parameters = Field(description="Fixed or ranged parameters.")
+    designs: Annotated[None, PlainValidator(_refuse_designs), WithJsonSchema(_DESIGNS)] = Field(
+        None,
+        description="Designs, one a row, instead of all combinations: rows of parameters, a file "
+        "with such rows, or zip, the names of parameters whose lists belong together. They "
+        "become values of the parameters along the axis design.",
+    )
     title: str | None = Field(None, description="Title of the dataset.", max_length=500)
     notes: str | None = Field(
         None, description="Notes that are stored in the dataset.", max_length=5000

@@ -127,10 +127,6 @@ class UnitError(ValueError):
         super().__init__(f"{message}. {fix}")
 
 
-class UnknownUnitError(UnitError):
-    """A text is no unit of anything."""
-
-
 def read_number(name: str, quantity: Quantity, raw: object) -> float:
     """Return a number, or a text with a unit, as a number in the unit of a quantity.
 
@@ -261,8 +257,8 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
 
     Units are read in the notation of pint (``m/s^2``), of CF and UDUNITS (``m s-2``), with
     superscripts, and in the words of the trade (``parts/min``, ``rpm``, ``g`` of an acceleration).
-    Raises `UnitError` for a unit of another kind, `UnknownUnitError` for none; `name` is the
-    parameter's, for messages.
+    Raises `UnitError` for a unit of another kind, or for none; `name` is the parameter's, for
+    messages.
     """
     fix = _how_to_write(name, quantity)
     try:
@@ -275,7 +271,7 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
     except _OtherKindError as error:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix) from error
     except ValueError as error:
-        raise UnknownUnitError(f"'{unit[:40]}' is not a unit", fix) from error
+        raise UnitError(f"'{unit[:40]}' is not a unit", fix) from error
 
 
 def in_own_unit(name: str, quantity: Quantity, value: Any) -> Any:

@@ -125,6 +125,7 @@ def _approximately(
 
 MAX_POINTS = 100_000_000  # values of one axis: more is a typing error, and would fill the memory
 RANGE_KEYS = ("start", "stop", "num", "step", "spacing")
+DESIGN = "design"  # the axis of designs, and the key of a parameter's values in them
 BAND_KEYS, PAIR_KEYS = ("low", "high"), ("pair", "surface")
 
 
@@ -211,6 +212,15 @@ class Span:
         }
 
 
+@dataclass(frozen=True)
+class Paired(Points):
+    """The value of a parameter in each design, in any order: all of them share one axis."""
+
+    def canonical(self) -> Any:
+        """Return the list as plain JSON, in the quantity's unit."""
+        return {DESIGN: list(self.values)}
+
+
 Values = Fixed | Points | Span
 
 
@@ -255,6 +265,8 @@ def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Be
 def read_values(name: str, raw: object) -> Values:
     """Return the values that a user wrote for a parameter: one, a list, a range, or a band.
 
+    A mapping with the key ``design`` has the value in each design.
+
     Numbers without a unit are in the quantity's own. `name` is the parameter, `raw` what the user
     wrote.
 
@@ -269,7 +281,7 @@ def read_values(name: str, raw: object) -> Values:
     if is_band(raw):
         return _read_band(name, quantity, raw)
     if isinstance(raw, Mapping):
-        return _read_span(name, quantity, raw)
+        return _read_paired(name, raw) if set(raw) == {DESIGN} else _read_span(name, quantity, raw)
     if isinstance(raw, list | tuple):
         return _read_points(name, quantity, raw)
     return Fixed(read_number(name, quantity, raw))
@@ -323,6 +335,13 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
             "Sort the values, and write decimals with a point",
         )
     return Points(values)
+
+
+def _read_paired(name: str, raw: Mapping[str, Any]) -> Paired:
+    values = raw[DESIGN]
+    if not isinstance(values, list | tuple) or not values:
+        raise UnitError(f"{name} has no value in any design", "Give a list of values")
+    return Paired(read_numbers(name, QUANTITIES[name], values))
 
 
 def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span:

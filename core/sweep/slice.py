@@ -21,7 +21,7 @@ from vibrafeed.core.plan.prepared import Prepared
 from vibrafeed.core.quantities import QUANTITIES, REGIMES, by_letters, letter_of
 from vibrafeed.core.quantities.flags import REGIME
 from vibrafeed.core.study.units import UnitError, problem, read_number
-from vibrafeed.core.study.values import position_on_axis
+from vibrafeed.core.study.values import DESIGN, position_on_axis
 from vibrafeed.core.suggestions import Suggestions
 from vibrafeed.core.sweep.kind import attributes_of
 
@@ -74,18 +74,27 @@ def prepare_cut(
     raise_any(problems)
     whole = sweep.grid
     plan = _plan_of(sweep, output)
-    free = [name for name in dict.fromkeys(axes) if name in plan.parameters]
-    fixed, problems = {}, []
-    for name in whole.axes:
-        if name in plan.parameters and name not in free:
-            try:
-                fixed[name] = _value_on_axis(whole, name, at)
-            except UnitError as error:
-                problems.append(problem(name, error))
+    used = {axis for name, axis in whole.along.items() if name in plan.parameters}
+    free = [name for name in dict.fromkeys(axes) if name in used]
+    problems = []
+    box = {name: (0, whole.shape[name]) for name in free}
+    for name in whole.dims(used - {*free}):
+        try:
+            k = _position_of(whole, name, at)
+            box[name] = (k, k + 1)
+        except UnitError as error:
+            problems.append(problem(name, error))
     raise_any(problems)
+    part = whole.within(box)
+    fixed = {
+        name: float(part.values_of(name).array()[0])
+        for name, axis in whole.along.items()
+        if name in plan.parameters and axis not in free
+    }
     grid = Grid(
         {name: whole.axes[name] for name in free},
         {**{n: v for n, v in whole.fixed.items() if n in plan.parameters}, **fixed},
+        paired=whole.paired if DESIGN in free else {},
     )
     if grid.cells > most:
         raise LimitError(
@@ -104,7 +113,7 @@ def compute_slice(prepared: SliceCut, threads: int | None = None) -> dict[str, A
     """
     output, plan, grid = prepared.output, prepared.plan, prepared.grid
     arrays = evaluate(plan, grid, threads=threads)
-    depends = plan.depends_on(grid.axes)
+    depends = plan.depends_on(grid.along)
     verdict = plan.verdict_names[0]
     values = arrays[output] if output == verdict else from_si(output, arrays[output])
     return {
@@ -197,8 +206,8 @@ def _problems(
             )
 
 
-def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
-    """Return the value of an axis that the text `at[name]` names, in the unit of studies.
+def _position_of(grid: Grid, name: str, at: Mapping[str, str]) -> int:
+    """Return the position on an axis of the value that the text `at[name]` names.
 
     Raises `UnitError` if the axis does not have that value, or the text is missing or no number
     with a known unit.
@@ -211,7 +220,7 @@ def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
             f"{QUANTITIES[name].suffix}",
         )
     wanted = read_number(name, QUANTITIES[name], at[name])
-    return float(values[position_on_axis(name, values, wanted)])
+    return position_on_axis(name, values, wanted)
 
 
 def _labelled(values: Any, dims: tuple[str, ...]) -> dict[str, Any]:

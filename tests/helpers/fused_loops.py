@@ -17,7 +17,7 @@ def check_same_bits(plan: Plan, grid: Grid, threads: int | None = None) -> Any:
     expected, got = empty_results(plan, grid), empty_results(plan, grid)
     with np.errstate(all="ignore"):
         evaluate_in_blocks(plan, grid, expected)
-    Fused(plan, traced(plan, grid.axes), grid).run(got, threads)
+    Fused(plan, traced(plan, grid.along), grid).run(got, threads)
     for name, values in expected.items():
         # Of two zeros of different sign numpy itself takes either, by the width of its registers.
         np.testing.assert_array_equal(got[name], values, err_msg=name)

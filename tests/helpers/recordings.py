@@ -42,7 +42,7 @@ def signal_of(
 def csv_of(signal: Signal, names: Sequence[str] = ("ax", "az"), unit: str = "m s-2") -> str:
     """Return a signal as text, with times."""
     header = ",".join(["time [s]", *(f"{name} [{unit}]" for name in names)])
-    rows = np.vstack([signal.times, signal.accelerations]).T
+    rows = np.vstack([signal.times, signal.values]).T
     return "\n".join([header, *(",".join(map(repr, row)) for row in rows.tolist())]) + "\n"
 
 

@@ -34,7 +34,7 @@ def test_loops_give_the_bits_of_numpy(monkeypatch, name, variant):
         cached.cache_clear()
     plan = plan_of(name, variant, tuple(traceable(name, variant)[True]))
     grid = grid_of(plan, 60_000, seed=1)
-    assert Fused(plan, traced(plan, grid.axes), grid).sources or (name, variant) in SHORT
+    assert Fused(plan, traced(plan, grid.along), grid).sources or (name, variant) in SHORT
     check_same_bits(plan, grid)
     for cached in (program.edge_of, program.program_of):
         cached.cache_clear()  # others are to be planned with the usual bounds

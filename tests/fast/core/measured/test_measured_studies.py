@@ -126,11 +126,11 @@ def test_what_has_no_measured_drive_is_refused(changes, problems):
          ["drive.file: it cannot be read: No such file or directory. Name a CSV file by "
           "its path from the folder of the study."]),
         (DATA | {"along": "bx", "harmonics": 20},
-         ["drive.along: the recording has no column 'bx'. Known: ax, az, time.",
+         ["drive.along: the table has no column 'bx'. Known: ax, az, time.",
           "drive.harmonics: 20 orders cannot be fitted. Give a whole number from 1 to 10, or leave "
           "it out."]),
         ({"data": "", "along": "ax"},
-         ["drive.data: the recording is empty. Give a row of names, and rows of numbers below."]),
+         ["drive.data: the table is empty. Give a row of names, and rows of numbers below."]),
         ("recording.csv",
          ["drive: 'recording.csv' does not say how to read a recording. Write [drive] with file "
           '= "recording.csv" and the columns along and normal.']),

@@ -71,7 +71,7 @@ def test_bits_do_not_depend_on_threads_or_tasks(monkeypatch, threads, task):
     plan, grid = track(("travel_time", "stopping_time"), **spans)
     got = check_same_bits(plan, grid, threads)
     done: list[float] = []
-    Fused(plan, traced(plan, grid.axes), grid).run(got, threads, done.append)
+    Fused(plan, traced(plan, grid.along), grid).run(got, threads, done.append)
     assert sum(done) == pytest.approx(1)
 
 
@@ -86,7 +86,7 @@ def test_bits_do_not_depend_on_threads_or_tasks(monkeypatch, threads, task):
 )  # fmt: skip
 def test_steps_that_values_make_superfluous_are_left_out(outputs, step, less, more, known):
     few, many = (
-        "".join(Fused(plan, traced(plan, grid.axes), grid).sources).count(step)
+        "".join(Fused(plan, traced(plan, grid.along), grid).sources).count(step)
         for plan, grid in (track((outputs,), **given) for given in (less, more))
     )
     assert few == known < many
@@ -106,7 +106,7 @@ def test_long_and_short_axes(shape):
 
 def test_one_loop_serves_studies_that_differ_in_their_numbers():
     sources = {
-        Fused(plan, traced(plan, grid.axes), grid).sources
+        Fused(plan, traced(plan, grid.along), grid).sources
         for plan, grid in (
             track(("transport_velocity",), radius=r, distance=d, frequency=(f, 99, 9))
             for r, d, f in ((0.8, 2e-4, 20), (0.5, 1e-3, 44))

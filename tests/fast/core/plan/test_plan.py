@@ -361,8 +361,8 @@ def test_what_one_output_needs_is_found_once():
     plan = make_plan("rectangle-on-plane", None, outputs, (*DRIVE, "friction"))
     assert plan.only("throw_number") is plan.only("throw_number")
     assert plan.only("throw_number").parameters == DRIVE
-    plan.depends_on(["beta"])["throw_number"] = frozenset()  # the caller's own
-    assert plan.depends_on(["beta"])["throw_number"] == {"beta"}
+    plan.depends_on({"beta": "beta"})["throw_number"] = frozenset()  # the caller's own
+    assert plan.depends_on({"beta": "beta"})["throw_number"] == {"beta"}
 
 
 ERRORS = {

@@ -104,16 +104,23 @@ def test_numbers_in_the_unit_of_a_parameter_stay_numbers():
     assert content["parameters"] == {"beta": [10, 20], "amplitude": 1e-4}
 
 
-def test_arrays_along_one_dimension_are_pairs_and_no_grid():
+def test_arrays_along_one_dimension_are_designs_and_no_grid():
     runs = [array([1e-4, 3e-4], "m", dims="run"), array([10.0, 20.0], "degree", dims="run")]
+    right = {"amplitude": {"design": [1e-4, 3e-4]}, "beta": {"design": [10, 20]}}
+    assert parameters(amplitude=runs[0], beta=runs[1]) == {"frequency": 50.0, **right}
+    assert gather(None, {"parameters": {"amplitude": runs[0]}, "beta": runs[1]}) == {
+        "parameters": right
+    }
     index = pandas.Index(["a", "b"], name="run")
-    columns = pandas.Series([1e-4, 3e-4], index), pandas.Series([10, 20], index)
-    for given in (
-        {"amplitude": runs[0], "beta": runs[1]},
-        {"parameters": {"amplitude": runs[0]}, "beta": runs[1]},
-        {"amplitude": columns[0], "beta": columns[1]},
-    ):
-        assert "both along 'run', which makes pairs of their values" in refusal(**given)
+    paired = parameters(
+        amplitude=pandas.Series([1e-4, 3e-4], index), beta=pandas.Series([10, 20], index)
+    )
+    assert paired == {"frequency": 50.0, **right}
+    other = array([40.0, 50.0], "Hz", dims="other")
+    groups = {"frequency": other, "gamma": array([1.0, 2.0], "degree", dims="other")}
+    assert "share the dimensions" in refusal(amplitude=runs[0], beta=runs[1], **groups)
+    best = array([10.0, 20.0], "degree", dims="amplitude")
+    assert "its array is along 'amplitude', another parameter" in refusal(beta=best)
     apart = parameters(  # arrays without a name of their dimension, and columns without an index
         amplitude=xarray.DataArray([1e-4, 3e-4]), beta=xarray.DataArray([10.0, 20.0])
     )

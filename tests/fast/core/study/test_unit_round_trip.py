@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 import vibrafeed
 from vibrafeed.core.dataset.frame import heading
 from vibrafeed.core.dataset.table import TableVariable, quantity_attributes
-from vibrafeed.core.measured.csv_table import name_and_unit
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.study.shown import SI, SMALLER, TRADE, Shown, ShownUnits, read_shown
 from vibrafeed.core.study.units import UnitError, read_number, unit_factor, with_unit
+from vibrafeed.core.tables.headings import name_and_unit
 
 UNITS = sorted({quantity.unit for quantity in QUANTITIES.values()})
 SUPERSCRIPTS = str.maketrans("-123", "⁻¹²³")

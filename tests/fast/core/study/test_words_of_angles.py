@@ -130,6 +130,16 @@ def test_keywords_take_words():
             parse_study(gather(None, {**loose, **one}))
 
 
+def test_arrays_of_words_may_be_designs():
+    pairs = {
+        "elevation": xarray.DataArray([10, 20], dims="run"),
+        "climb": xarray.DataArray([1, 2], dims="run"),
+    }
+    content = gather(None, {**PLANE, **DRIVE, **pairs})
+    assert content["parameters"]["elevation"] == {"design": [10, 20]}
+    assert content["parameters"]["climb"] == {"design": [1, 2]}
+
+
 def test_messages_say_what_the_user_wrote():
     study = {**TRACK, "parameters": {**DRIVE, "elevation": "30 mm", "climb": 100, "azimut": 3}}
     assert told(study)[:3] == [

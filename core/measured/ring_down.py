@@ -1,0 +1,282 @@
+"""The free vibration of a struck feeder: natural frequency and damping ratio, with their errors."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from vibrafeed.core.errors import StudyError, refused
+from vibrafeed.core.measured.harmonics import Array, density_near
+from vibrafeed.core.measured.recording import Recording, Signal, read_signal
+from vibrafeed.core.measured.times import LEAST_SAMPLES
+from vibrafeed.core.measured.validity import check_before
+from vibrafeed.core.quantities import QUANTITIES
+from vibrafeed.core.study.units import UnitError, problem, read_number
+from vibrafeed.core.tables.table import InputTable
+
+MAX_MODES = 4  # of a feeder that rocks and bends beside its stroke
+LEAST_PERIODS = 5.0  # of the ring-down
+KNOCK = 0.25  # periods after the largest sample, within which the knock ends
+LONGEST = 5_000  # samples: what comes later is rest
+MAX_LEFT = 0.3  # rms of the residual over that of the recording, above which it is no ring-down
+STANDS_OUT = 0.02  # share of the amplitude of the strongest mode that makes another one
+DAMPING_RATIOS = (0.002, 0.006, 0.02, 0.06, 0.15)  # that are tried at the start
+FAR = 7.0
+LEAST_DAMPING, MOST_DAMPING = 1e-5, 0.5  # that are looked for
+APART = 0.2  # share by which a frequency may differ from the line of the spectrum
+DECAYED = 4.0  # time constants after which a mode is rest
+
+
+@dataclass(frozen=True)
+class RingDown:
+    """A free vibration, fitted to the recording of a struck feeder.
+
+    Attributes
+    ----------
+    natural_frequency, natural_frequency_error : float
+        Of the strongest mode, undamped, and its standard error [Hz].
+    damping_ratio, damping_ratio_error : float
+        Of that mode, and its standard error.
+    other_frequencies : tuple of float
+        Natural frequencies of other modes that the recording shows [Hz].
+    start : float
+        Time by the recorder's clock at which the fit begins, from the first sample [s].
+    samples : int
+        Number of samples that are fitted.
+    left_over : float
+        Rms of the residual, as a share of that of the samples.
+    """
+
+    natural_frequency: float
+    natural_frequency_error: float
+    damping_ratio: float
+    damping_ratio_error: float
+    other_frequencies: tuple[float, ...]
+    start: float
+    samples: int
+    left_over: float
+
+    def parameters(self) -> dict[str, float]:
+        """Return the parameters of a drive unit that the ring-down gives."""
+        return {
+            "ring_down_frequency": self.natural_frequency,
+            "damping_ratio": self.damping_ratio,
+        }
+
+
+def fit_ring_down(source: str | Path | InputTable, recording: Recording) -> RingDown:
+    """Return the free vibration in a recording that begins at rest or with the knock.
+
+    Each channel is a constant and the sum of A exp(-zeta w t) cos(w sqrt(1 - zeta^2) t + phi) of
+    its modes, w the natural angular frequency, zeta the damping ratio, which all channels share;
+    they follow by least squares, amplitudes and phases by variable projection. The fit begins a
+    quarter of a period after the largest sample. Errors take the residual's spectral density near
+    the mode.
+
+    Raises
+    ------
+    StudyError
+        If the recording cannot be read, is too short, or does not decay as a struck feeder does.
+    """
+    signal = read_signal(source, recording)
+    check_before(signal)
+    return _fit(signal)
+
+
+def moving_mass(empty: RingDown, loaded: RingDown, added_mass: float | str) -> tuple[float, float]:
+    """Return the moving mass of a feeder and its standard error [kg], from an added mass.
+
+    A bare number is in kg.
+
+    m = m_a/((f_0/f_1)^2 - 1), f_0 empty, f_1 with the added mass. Raises `StudyError` if the added
+    mass does not lower the frequency by more than five of its errors.
+    """
+    first, second = empty.natural_frequency, loaded.natural_frequency
+    error = float(np.hypot(empty.natural_frequency_error, loaded.natural_frequency_error))
+    if first - second < 5.0 * error or second >= first:
+        raise refused(
+            "added_mass",
+            f"with the added mass the feeder rings at {second:.5g} Hz, without it at "
+            f"{first:.5g} Hz",
+            "Give the recording without the mass first, or add more",
+        )
+    try:
+        added = read_number("added_mass", QUANTITIES["moving_mass"], added_mass)
+    except UnitError as error:
+        raise StudyError([problem("added_mass", error)]) from None
+    ratio = (first / second) ** 2
+    mass = added / (ratio - 1.0)
+    relative = np.hypot(
+        empty.natural_frequency_error / first, loaded.natural_frequency_error / second
+    )
+    return mass, float(mass * 2.0 * ratio / (ratio - 1.0) * relative)
+
+
+def _fit(signal: Signal) -> RingDown:
+    values = signal.values - np.median(signal.values, axis=1, keepdims=True)
+    # The knock itself is no free vibration.
+    first = int((values**2).sum(axis=0).argmax())
+    times, values = signal.times[first:], signal.values[:, first:]
+    if times.size < LEAST_SAMPLES:
+        raise refused(
+            "recording",
+            f"{times.size} samples follow the knock, which is too few",
+            f"Record at least {LEAST_SAMPLES} samples after the knock",
+        )
+    frequency = _peak(times, values)[0]
+    begin = int(np.searchsorted(times, times[0] + KNOCK / frequency))
+    times, values = times[begin : begin + LONGEST], values[:, begin : begin + LONGEST]
+    poles, residual = _modes(times, values)
+    sizes = _sizes(times, values, poles)
+    main = int(sizes.argmax())
+    stop = int(np.searchsorted(times, times[0] + DECAYED / max(-poles[main].real, 1e-9)))
+    left = float(
+        np.sqrt(np.mean(residual[:, :stop] ** 2) / np.mean(_centred(values)[:, :stop] ** 2))
+    )
+    pole = poles[main]
+    natural, ratio = abs(pole) / (2.0 * np.pi), -pole.real / abs(pole)
+    _check(times, natural, float(ratio), left)
+    covariance = _covariance(times, values, poles, residual)[2 * main : 2 * main + 2][
+        :, 2 * main : 2 * main + 2
+    ]
+    # By the real and the imaginary part of the pole.
+    of_natural = np.array([pole.real, pole.imag]) / (2.0 * np.pi * abs(pole))
+    of_ratio = np.array([-(pole.imag**2), pole.real * pole.imag]) / abs(pole) ** 3
+    return RingDown(
+        natural_frequency=float(natural),
+        natural_frequency_error=float(np.sqrt(of_natural @ covariance @ of_natural)),
+        damping_ratio=float(ratio),
+        damping_ratio_error=float(np.sqrt(of_ratio @ covariance @ of_ratio)),
+        other_frequencies=tuple(
+            float(abs(one) / (2.0 * np.pi)) for k, one in enumerate(poles) if k != main
+        ),
+        start=float(times[0] - signal.times[0]),
+        samples=times.size,
+        left_over=left,
+    )
+
+
+def _modes(times: Array, values: Array) -> tuple[NDArray[np.complex128], Array]:
+    frequency, strongest = _peak(times, values)
+    poles = _start(times, values, frequency)
+    # What is left over shows further modes, if it has lines that noise does not have.
+    for _ in range(MAX_MODES):
+        poles, residual = _least(times, values, poles)
+        more, power = _peak(times, residual)
+        # Of noise, a power is above its mean by more than this once in a thousand spectra.
+        noise = (residual**2).sum() * (np.log(times.size) + FAR)
+        is_weak = power < max(STANDS_OUT**2 * strongest, noise)
+        if is_weak or len(poles) == MAX_MODES:
+            break
+        poles = np.concatenate([poles, _start(times, residual, more)])
+    return _least(times, values, poles)  # with the weights of the residual
+
+
+def _check(times: Array, natural: float, ratio: float, left: float) -> None:
+    periods = natural * float(np.ptp(times))
+    if periods < LEAST_PERIODS:
+        raise refused(
+            "recording",
+            f"the ring-down has {periods:.2g} periods of {natural:.4g} Hz",
+            f"Record {LEAST_PERIODS:g} periods at least after the knock",
+        )
+    if left > MAX_LEFT or ratio <= 0.0:
+        raise refused(
+            "recording",
+            f"the recording does not decay as a struck feeder does: {100 * left:.0f} % of it is "
+            f"not explained by a free vibration of {natural:.4g} Hz",
+            "Record a single knock on the feeder with the drive off, or cut out one",
+        )
+
+
+def _centred(values: Array) -> Array:
+    return values - values.mean(axis=1, keepdims=True)
+
+
+def _peak(times: Array, values: Array) -> tuple[float, float]:
+    # Frequency and power of the strongest line of a decaying signal, whose window is its decay.
+    even = np.linspace(times[0], times[-1], times.size)
+    resampled = np.array([np.interp(even, times, one) for one in _centred(values)])
+    step = float(even[1] - even[0])
+    power = (np.abs(np.fft.rfft(resampled, 4 * times.size)) ** 2).sum(axis=0)
+    frequencies = np.fft.rfftfreq(4 * times.size, step)
+    power[frequencies < 2.0 / np.ptp(times)] = 0.0
+    place = int(power.argmax())
+    return float(frequencies[place]), float(power[place])
+
+
+def _columns(times: Array, poles: NDArray[np.complex128]) -> Array:
+    waves = np.exp(np.outer(times - times[0], poles))
+    parts = np.stack([waves.real, waves.imag], axis=-1).reshape(times.size, -1)
+    return np.hstack([np.ones((times.size, 1)), parts])
+
+
+def _left(times: Array, values: Array, poles: NDArray[np.complex128]) -> Array:
+    basis = np.linalg.qr(_columns(times, poles))[0]
+    return np.asarray(values - (values @ basis) @ basis.T)
+
+
+def _sizes(times: Array, values: Array, poles: NDArray[np.complex128]) -> Array:
+    found = np.linalg.lstsq(_columns(times, poles), values.T, rcond=None)[0][1:]
+    # The energy of a decaying wave: its square over the rate of its decay.
+    return np.sqrt((found.reshape(len(poles), -1) ** 2).sum(axis=1) / -poles.real)
+
+
+def _start(times: Array, values: Array, frequency: float) -> NDArray[np.complex128]:
+    turn = 2.0 * np.pi * frequency
+    tried = [np.array([turn * complex(-ratio, 1.0)]) for ratio in DAMPING_RATIOS]
+    return min(tried, key=lambda poles: float((_left(times, values, poles) ** 2).sum()))
+
+
+def _least(
+    times: Array, values: Array, poles: NDArray[np.complex128]
+) -> tuple[NDArray[np.complex128], Array]:
+    noise = np.sqrt(np.mean(_left(times, values, poles) ** 2, axis=1, keepdims=True))
+    roots = np.median(noise) / np.maximum(noise, np.finfo(float).tiny)
+    turns = np.abs(poles)
+
+    def residual(parts: Array) -> Array:
+        return np.asarray(roots * _left(times, values, _poles(parts, turns))).ravel()
+
+    ratios = np.clip(-poles.real / turns, 2.0 * LEAST_DAMPING, 0.5 * MOST_DAMPING)
+    start = np.stack([ratios, np.ones(len(poles))], axis=1).ravel()
+    ends = [LEAST_DAMPING, 1.0 - APART] * len(poles), [MOST_DAMPING, 1.0 + APART] * len(poles)
+    found = least_squares(residual, start, bounds=ends, x_scale="jac", xtol=1e-10, ftol=1e-10)
+    poles = _poles(found.x, turns)
+    return poles, _left(times, values, poles)
+
+
+def _poles(parts: Array, turns: Array) -> NDArray[np.complex128]:
+    ratios, frequencies = parts[0::2], parts[1::2]
+    return np.asarray(turns * frequencies * (-ratios + 1j * np.sqrt(1.0 - ratios**2)))
+
+
+def _covariance(
+    times: Array, values: Array, poles: NDArray[np.complex128], residual: Array
+) -> Array:
+    # Of real and imaginary part of each pole: (sum_j J_j' J_j/S_j)^-1, J without what amplitudes
+    # can imitate, S_j the spectral density of the residual of channel j near the strongest mode.
+    columns = _columns(times, poles)
+    basis = np.linalg.qr(columns)[0]
+    coefficients = np.linalg.lstsq(columns, values.T, rcond=None)[0][1:]
+    after = (times - times[0])[:, None]
+    main = int(_sizes(times, values, poles).argmax())
+    duration = float(np.ptp(times)) * times.size / (times.size - 1)
+    spectrum = np.fft.rfft(residual) / np.sqrt(times.size)
+    place = np.abs(poles.imag) / (2.0 * np.pi) * duration
+    density = np.diag(density_near(spectrum, float(place[main]), place, 0))
+    noise = np.maximum(density, np.mean(residual**2, axis=1))
+    total = np.zeros((2 * len(poles),) * 2)
+    for channel, variance in zip(coefficients.T, noise, strict=True):
+        pairs = channel.reshape(-1, 2)
+        waves = columns[:, 1:].reshape(times.size, -1, 2)
+        # d/ds of a Re(e) + b Im(e), e = exp((s + i w) t), is t times it; d/dw turns it.
+        by_real = after * (waves * pairs).sum(axis=2)
+        by_imaginary = after * (waves[..., 0] * pairs[:, 1] - waves[..., 1] * pairs[:, 0])
+        slopes = np.stack([by_real, by_imaginary], axis=2).reshape(times.size, -1)
+        slopes -= basis @ (basis.T @ slopes)
+        total += slopes.T @ slopes / max(float(variance), float(np.finfo(float).tiny))
+    scale = 1.0 / np.sqrt(np.diag(total))
+    return np.asarray(np.linalg.inv(total * np.outer(scale, scale)) * np.outer(scale, scale))

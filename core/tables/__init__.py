@@ -1,0 +1,1 @@
+"""Tables as people have them: recordings, observations and designs, read by one reader."""

@@ -1,0 +1,149 @@
+"""One truth under hundreds of heads: read right, or right after the advice has been followed."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from vibrafeed.core.errors import StudyError
+from vibrafeed.core.measured import Recording, read_signal
+
+TIMES = np.arange(120) / 2000
+ALONG = np.round(1.5 * np.sin(628.0 * TIMES), 4)
+NORMAL = np.round(1.0 + 0.5 * np.cos(628.0 * TIMES), 4)
+PREAMBLES = {
+    "none": "",
+    "words": "Recorder X1\nMade by hand, with care\n",
+    "pairs": "Date;2024-01-02\nRate;2000\nChannels;3\n\n",
+    "remarks": "# Recorder X1\n# rate: 2000\n",
+}
+HEADS = {
+    "brackets": (["time [s]", "ax [g]", "az [g]"], []),
+    "round": (["time (sec)", "ax (G)", "az (G)"], []),
+    "row": (["time", "ax", "az"], ["s", "g", "g"]),
+    "row in brackets": (["time", "ax", "az"], ["(s)", "[g]", "[g]"]),
+    "endings": (["time_s", "ax_g", "az_g"], []),
+    "spoken": (["Zeit [s]", "ax [g]", "az [g]"], []),
+    "behind a sign": (["#time [s]", "ax [g]", "az [g]"], []),
+}
+CLOCKS = {
+    "plain": lambda t: f"{t:.4f}",
+    "long": lambda t: f"{1234.5 + t:.6f}",
+    "iso": lambda t: f"2024-01-02T03:04:{5 + t:09.6f}",
+    "clock": lambda t: f"12:30:{5 + t:09.6f}",
+}
+SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "bar": "|", "blank": " "}
+ENCODINGS = "utf-8", "utf-8-sig", "cp1252", "utf-16"
+
+
+def text(separator=",", comma=False, preamble="none", head="brackets", clock="plain"):
+    """Return the recording under a head."""
+    names, units = HEADS[head]
+    rows = [
+        [CLOCKS[clock](t), f"{a:.4f}", f"{n:.4f}"]
+        for t, a, n in zip(TIMES.tolist(), ALONG.tolist(), NORMAL.tolist(), strict=True)
+    ]
+    if comma:
+        rows = [[cell.replace(".", ",") for cell in row] for row in rows]
+    lines = [separator.join(row) for row in [names, *([units] if units else []), *rows]]
+    return PREAMBLES[preamble] + "\n".join(lines) + "\n"
+
+
+def is_read_right(source, along="ax", normal="az", **more):
+    """True if a source is read as the truth."""
+    read = read_signal(source, Recording(along=along, normal=normal, **more))
+    values = np.stack([ALONG, NORMAL]) * 9.80665
+    return np.allclose(read.values, values) and np.allclose(read.times, TIMES, atol=1e-9)
+
+
+def names_of(head):
+    """Return the names of the channels under a head."""
+    return ("ax_g", "az_g") if head == "endings" else ("ax", "az")
+
+
+ALL = [
+    case
+    for case in product(SEPARATORS, (False, True), PREAMBLES, HEADS, CLOCKS)
+    if not (case[0] == "comma" and case[1])
+]
+
+
+@pytest.mark.parametrize("separator", SEPARATORS)
+@pytest.mark.parametrize("clock", CLOCKS)
+def test_every_head_is_read_right(separator, clock):
+    cases = [case for case in ALL if case[0] == separator and case[4] == clock]
+    for _, comma, preamble, head, _ in cases:
+        source = text(SEPARATORS[separator], comma, preamble, head, clock)
+        along, normal = names_of(head)
+        assert is_read_right(source, along, normal), (comma, preamble, head)
+    assert len(ALL) >= 300
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+@pytest.mark.parametrize("separator", SEPARATORS)
+def test_every_encoding_is_read_right(tmp_path, encoding, separator):
+    path = tmp_path / "drive.csv"
+    for head in HEADS:
+        source = text(SEPARATORS[separator], head=head).replace("time", "zeit")
+        path.write_bytes(source.encode(encoding))
+        assert is_read_right(path, *names_of(head))
+
+
+def test_a_line_may_name_the_separator():
+    for separator, comma in product(SEPARATORS.values(), (False, True)):
+        if separator != "," or not comma:
+            assert is_read_right(f"sep={separator}\n" + text(separator, comma))
+
+
+@pytest.mark.parametrize(("preamble", "head", "clock"), [*product(PREAMBLES, HEADS, CLOCKS)])
+def test_decimal_commas_between_commas_are_refused_with_the_way_out(preamble, head, clock):
+    """The advice is followed to the letter: semicolons between the cells."""
+    with pytest.raises(StudyError) as caught:
+        is_read_right(text(",", True, preamble, head, clock), *names_of(head))
+    assert "separate the cells by semicolons" in str(caught.value)
+    assert is_read_right(text(";", True, preamble, head, clock), *names_of(head))
+
+
+def test_columns_without_names_have_numbers():
+    headless = "\n".join(text().splitlines()[1:])
+    assert is_read_right(headless, "2", "3", unit="g", time="1")
+    assert is_read_right(headless, "2", "3", unit="g", rate=2000)
+    with pytest.raises(StudyError, match="It has no names: give a column by its number, 1 to 3"):
+        is_read_right(headless, unit="g", time="1")
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor", "start", "period"),
+    [("ms", 1e3, 65_530, 2**16), ("us", 1e6, 2**32 - 700, 2**32), ("s", 1, 59.99, 60.0)],
+)
+def test_counters_that_begin_anew_are_continued(unit, factor, start, period):
+    lines = text().splitlines()
+    counts = np.mod(start + np.arange(120) * (0.5e-3 * factor), period)
+    rows = [f"{count!r},{line.split(',', 1)[1]}" for count, line in
+            zip(counts.tolist(), lines[1:], strict=True)]  # fmt: skip
+    source = "\n".join([lines[0].replace("[s]", f"[{unit}]"), *rows])
+    assert is_read_right(source)
+
+
+def test_days_of_spreadsheets_are_times():
+    lines = text().splitlines()
+    rows = [f"{45_000.5 + t / 86_400:.12f},{line.split(',', 1)[1]}" for t, line in
+            zip(TIMES.tolist(), lines[1:], strict=True)]  # fmt: skip
+    source = "\n".join([lines[0].replace(" [s]", ""), *rows])
+    read = read_signal(source, Recording(along="ax", normal="az"))
+    np.testing.assert_allclose(read.times, TIMES, atol=1e-6)
+
+
+def test_what_is_not_asked_for_is_passed_over():
+    lines = text().splitlines()
+    more = [lines[0] + ",note,ax 2", *(f"{line},it hums,{k}" for k, line in enumerate(lines[1:]))]
+    more[40] += ",knocked, twice"
+    assert is_read_right("\n".join([*more, "End of record"]))
+
+
+def test_equal_names_are_refused_only_where_they_are_asked_for():
+    assert is_read_right(text().replace("az [g]", "az [g],n,n", 1).replace("0\n", "0,1,2\n"))
+    with pytest.raises(StudyError, match="two columns have the name 'ax'"):
+        is_read_right(text().replace("az [g]", "ax [g]", 1), normal="ax")
