@@ -38,7 +38,7 @@ are given without one. `vibrafeed.scene` says more of each parameter.
 # fmt: off
 # ruff: noqa: D204, UP013
 from collections.abc import Mapping, Sequence
-from typing import Literal, TypeAlias, TypedDict
+from typing import Any, Literal, TypeAlias, TypedDict
 
 from vibrafeed._values import Values
 '''
@@ -133,6 +133,7 @@ def module() -> str:
         "    units: str | Sequence[str]",
         "    title: str",
         "    notes: str",
+        "    designs: Mapping[str, Any] | Sequence[Mapping[str, Values]]",
     ]
     return "\n".join(parts) + "\n"
 

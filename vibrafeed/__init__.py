@@ -25,7 +25,8 @@ The first argument is the name of a scene, the path of a TOML or JSON file, a ma
 holds what such a file would, or a study. Keywords beside it replace what it says: keys of
 the study, which the `help` of each function lists, and parameters of the scene, which
 `scene` lists. All studies have `units` (those of screens and pictures: trade, si, or such
-as m/min), `title` and `notes`. `None` is a keyword left out. The value of a parameter is
+as m/min), `title`, `notes` and `designs` (rows of values that belong together). `None` is a
+keyword left out. The value of a parameter is
 
 - a number, in SI and degrees, as `QUANTITIES["amplitude"].unit` says;
 - text with a unit: ``"0.25 mm"``, ``"3000 rpm"``, ``"20 deg"``; or a quantity of pint;

@@ -13,7 +13,7 @@ are given without one. `vibrafeed.scene` says more of each parameter.
 # fmt: off
 # ruff: noqa: D204, UP013
 from collections.abc import Mapping, Sequence
-from typing import Literal, TypeAlias, TypedDict
+from typing import Any, Literal, TypeAlias, TypedDict
 
 from vibrafeed._values import Values
 
@@ -416,3 +416,4 @@ class Keywords(RectangleIsolated, RectangleOnPlane, RectangleOnTrack, PartOnPlat
     units: str | Sequence[str]
     title: str
     notes: str
+    designs: Mapping[str, Any] | Sequence[Mapping[str, Values]]

@@ -52,7 +52,7 @@ def noisy(
     """Return a signal with noise of variance size^2, each value `colour` times the one before."""
     white = rng.standard_normal((len(signal.axes), signal.times.size + 200))
     noise = lfilter([np.sqrt(1 - colour**2)], [1, -colour], white)[:, 200:]
-    return signal._replace(accelerations=signal.accelerations + size * noise)
+    return signal._replace(values=signal.values + size * noise)
 
 
 def turned(angle: ArrayLike) -> NDArray[np.float64]:

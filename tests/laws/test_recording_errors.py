@@ -35,7 +35,7 @@ def test_stated_errors_are_as_large_as_true_ones(colour):
     found = []
     for _ in range(draws):
         signal = signal_of(DRIVE, rate=1000.0, count=500, start=rng.uniform(0, 0.02))
-        signal = noisy(signal._replace(accelerations=signal.accelerations + drift), rng, colour)
+        signal = noisy(signal._replace(values=signal.values + drift), rng, colour)
         # The clock counts too few seconds.
         fit = fit_signal(signal._replace(times=signal.times / 1.01, line_frequency=50.0))
         found.append(errors_over_stated(fit))

@@ -17,7 +17,7 @@ IMPORT = re.compile(
     r"^\s*(?:from (\w+)[\w.]* import|import (\w+)[\w.]*(?: as \w+)?$)", re.MULTILINE
 )
 OURS = {"vibrafeed"}
-ASKED = {"matplotlib", "pillow", "pyarrow", "obstore", "distributed", "trimesh"}
+ASKED = {"matplotlib", "pillow", "pyarrow", "obstore", "distributed", "trimesh", "nptdms", "pyuff"}
 """What the base loads when it is asked for."""
 OF_SERVICE = ("app/web/", "app/main", "app/logs", "app/settings", "app/spans", "app/mcp")
 JOBS_OF_BASE = ("accuracy", "blocks", "errors", "manifest", "shares", "studies", "__init__")

@@ -12,7 +12,15 @@ from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.study.grid_study import PARAMETERS
 
 POINT = {"frequency": "50 Hz", "amplitude": "0.25 mm", "beta": 30, "friction": 0.5}
-EVERY = ("kind", "scene", "parameters", "units", "title", "notes")  # `help(vibrafeed)` names them
+EVERY = (
+    "kind",
+    "scene",
+    "parameters",
+    "units",
+    "title",
+    "notes",
+    "designs",
+)  # `help(vibrafeed)` names them
 
 
 def test_every_parameter_is_a_keyword_of_its_scene():

@@ -36,7 +36,7 @@ def part() -> str:
 
 
 def test_the_stroke_has_a_line_and_unusual_numbers_a_question(part):
-    tells(PART, "line of the stroke: 0.2236", " mm at 26.56")
+    tells(PART, "stroke: 0.44721", "line of vibration, at 26.56")
     assert run(PART).stderr == ""
     saved(part.replace("time [s]", "number"), "part.csv")
     words = "Give --rate=the samples per second, or --time=the name of the column"

@@ -160,8 +160,9 @@ REFUSED = {
         "--rate: 'x' is not a unit. Write --rate=\"5 kHz\" (a bare number is in Hz). "
         "--mounting: the mounting is that of a sensor of three columns, which are not given. "
         "Give --sensor=three columns, instead of a column for each axis. "
-        "--along: the recording has no column 'bx'. Known: ax, ay, az, time. "
-        "--unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg. "
+        "--along: the table has no column 'bx'. Known: ax, ay, az, time. "
+        "--unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg, "
+        "mm/s, mm. "
         "--harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
         "out.",
     ),

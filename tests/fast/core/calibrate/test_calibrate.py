@@ -423,11 +423,11 @@ def test_observations_stand_in_a_workbook(tmp_path):
     ("name", "text", "told"),
     [
         ("runs.csv", "0.1,0.2\n0.3,0.4\n", "has no heading"),
-        ("runs.csv", "amplitude [mm]\n", "has no rows"),
-        ("runs.csv", "amplitude,amplitude\n1,2\n", "two columns named amplitude"),
-        ("runs.txt", "", "is not a CSV or XLSX file"),
+        ("runs.csv", "amplitude [mm]\n", "holds no numbers"),
+        ("runs.csv", "amplitude,amplitude\n1,2\n", "two columns have the name 'amplitude'"),
+        ("runs.txt", "", "the table is empty"),
         ("none.csv", None, "cannot be read"),
-        ("runs.xlsx", "no workbook", "not an XLSX workbook"),
+        ("runs.xlsx", "no workbook", "is not a XLSX file, or is damaged"),
     ],
 )
 def test_a_file_that_holds_no_observations_is_told(tmp_path, name, text, told):

@@ -29,7 +29,7 @@ def refusal(signal):
 def test_a_drive_without_noise_comes_back_to_nine_digits(start):
     signal = signal_of(DRIVE, frequency=49.87, start=start)
     drift = np.array([[0.8], [9.8]]) + 0.3 * np.linspace(-1, 1, 800)
-    fit = fit_signal(signal._replace(accelerations=signal.accelerations + drift))
+    fit = fit_signal(signal._replace(values=signal.values + drift))
     assert fit.orders == (1, 2, 3)
     assert fit.significant.all()
     for found, known in (
@@ -69,8 +69,8 @@ def test_a_guess_chooses_among_whole_parts():
 
 def test_a_line_frequency_settles_what_a_short_recording_leaves_open():
     signal = signal_of(DRIVE, count=450)
-    foreign = signal_of({"along": [(1e-5, 0.0)]}, frequency=25.2, count=450).accelerations
-    signal = signal._replace(accelerations=signal.accelerations + foreign)
+    foreign = signal_of({"along": [(1e-5, 0.0)]}, frequency=25.2, count=450).values
+    signal = signal._replace(values=signal.values + foreign)
     signal = noisy(signal, np.random.default_rng(10), size=0.05)
     # In eleven periods 25.2 Hz could be the half of 50 Hz.
     assert "hold 5.62 periods of 25 Hz" in refusal(signal)
@@ -123,7 +123,7 @@ def test_model_and_residual_make_up_the_samples_and_displacements_the_accelerati
     signal = noisy(signal_of(DRIVE, count=500), np.random.default_rng(8))
     fit = fit_signal(signal._replace(times=signal.times + 3.7))
     fold = fit.fold()
-    np.testing.assert_allclose(fit.model(fit.signal.times) + fold.residual, signal.accelerations)
+    np.testing.assert_allclose(fit.model(fit.signal.times) + fold.residual, signal.values)
     assert np.sqrt(np.mean(fold.residual**2)) == pytest.approx(1.0, rel=0.1)
     assert 0 <= fold.phase.min() < fold.phase.max() <= 2 * np.pi
     phase, step = np.linspace(0, 2 * np.pi, 50), 1e-3
@@ -139,7 +139,7 @@ def test_gravity_tells_how_the_track_stands():
     signal = signal_of({**DRIVE, "across": [(1e-6, 0.0)]})
     climb, gravity = np.radians(3.0), 9.81
     constant = gravity * np.array([[np.sin(climb)], [np.cos(climb)], [0.0]])
-    tilt = fit_signal(signal._replace(accelerations=signal.accelerations + constant)).tilt
+    tilt = fit_signal(signal._replace(values=signal.values + constant)).tilt
     assert [tilt.climb, tilt.lean, tilt.gravity] == pytest.approx([climb, 0, gravity], abs=NEAR)
     assert fit_signal(signal).tilt is None  # a sensor that does not show constants
 
@@ -150,24 +150,24 @@ PLAIN = {"along": [(1e-4, 0.0)]}
 SIGNAL = signal_of(PLAIN)
 
 
-BOTH = SIGNAL.accelerations + signal_of({"along": [(5e-5, 0.0)]}, frequency=73.3).accelerations
+BOTH = SIGNAL.values + signal_of({"along": [(5e-5, 0.0)]}, frequency=73.3).values
 
 
 SLOW = signal_of({"along": [(0.1, 0.0)]}, frequency=1.0, rate=100.0, count=1500)
 
 
-BROKEN = np.where(np.arange(800) == 3, np.nan, SIGNAL.accelerations)
+BROKEN = np.where(np.arange(800) == 3, np.nan, SIGNAL.values)
 
 
 def times(signal, factors):
-    return signal._replace(accelerations=signal.accelerations * factors)
+    return signal._replace(values=signal.values * factors)
 
 
 @pytest.mark.parametrize(
     ("signal", "words"),
     [
         (noisy(times(SIGNAL, 0), np.random.default_rng(9)), ["the recording is not periodic"]),
-        (SIGNAL._replace(accelerations=BOTH), ["residual", "most at "]),
+        (SIGNAL._replace(values=BOTH), ["residual", "most at "]),
         (times(SIGNAL, np.linspace(1, 0.8, 800)),
          ["the drive is not steady: its rms along is 6.749 m/s2 in the first third"]),
         # As a shake table was recorded whose amplitude grew six times over 15 periods.
@@ -189,7 +189,7 @@ def times(signal, factors):
           "Clocks are trusted within 5 %"]),
         (SIGNAL._replace(line_frequency=100.0), ["such as 100 Hz on mains of 50 Hz"]),
         (times(SIGNAL, 0), ["all channels of the recording are constant"]),
-        (SIGNAL._replace(accelerations=BROKEN),
+        (SIGNAL._replace(values=BROKEN),
          ["the recording holds values that are not finite"]),
     ],
 )  # fmt: skip
