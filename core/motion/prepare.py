@@ -19,7 +19,7 @@ from vibrafeed.core.motion.systems import (
     with_falling_restitution,
 )
 from vibrafeed.core.plan.bands import Bands, bands_of, problem_of_added, problems_of_bands
-from vibrafeed.core.plan.differences import Added, Asked, asked_of
+from vibrafeed.core.plan.differences import Asked, asked_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan, choose_scene
 from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, plan_study
@@ -61,11 +61,6 @@ class Simulation(Prepared):
     def bands(self) -> Bands | None:
         """The bands of speeds in the result; None without any."""
         return None if self.study.reduce else bands_of(self.plan, self.grid)
-
-    @property
-    def added(self) -> tuple[Added, ...]:
-        """Derivatives and ends of bands."""
-        return tuple(one for one in (self.derived, self.bands) if one is not None)
 
     @property
     def stated_seconds_a_cell(self) -> float:

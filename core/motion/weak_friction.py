@@ -17,7 +17,6 @@ import scipy
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.method import STATUS, Groups, Motion, cells_of, each, groups_of
-from vibrafeed.core.motion.turning import turn, turned
 
 INTERVALS = 4096
 """Of a period, over which the means are taken."""
@@ -42,7 +41,10 @@ class Limit(NamedTuple):
 
 
 def with_limits(motion: Motion, groups: Groups) -> Motion:
-    """Return the motion with that of weak friction where `max_periods` came before a cycle."""
+    """Return the motion with that of weak friction where `max_periods` came before a cycle.
+
+    The slope of the groups is along x.
+    """
     status = np.ravel(motion.status)
     (cells,) = np.nonzero(status == STATUS["limit_reached"])
     if not cells.size:
@@ -71,8 +73,7 @@ def limit_of(part: Groups) -> Limit | None:
     """
     if not np.isfinite(sum(part.numbers)) or part.friction_kinetic <= 0.0:
         return None
-    here, angle = turned(part)
-    cell = _Averaged.of(here)
+    cell = _Averaged.of(part)
     if cell.pull.min() <= 0.0:
         return None
     velocity, before = np.zeros(2), np.zeros(2)
@@ -85,11 +86,10 @@ def limit_of(part: Groups) -> Limit | None:
     swing = float(np.hypot(*np.ptp(moved, axis=1)))
     if not swing <= WEAK * cell.size:
         return None
-    along, across = map(float, turn(velocity[0], velocity[1], -angle))
     error = float(np.abs(velocity - before).max()) + swing**2 / cell.size
-    relative = cell.track[:, 1:] - velocity[:, np.newaxis] - moved
-    back, _ = turn(relative[0], relative[1], -angle)
-    return Limit(along, across, error, float(cell.share[back < 0.0].sum()))
+    relative = cell.track[0, 1:] - velocity[0] - moved[0]
+    along, across = map(float, velocity)
+    return Limit(along, across, error, float(cell.share[relative < 0.0].sum()))
 
 
 class _Averaged(NamedTuple):

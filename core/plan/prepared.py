@@ -79,9 +79,19 @@ class Prepared:
         return ()
 
     @property
+    def derived(self) -> Added | None:
+        """The derivatives in the result; None without any."""
+        return None
+
+    @property
+    def bands(self) -> Added | None:
+        """The bands of speeds in the result; None without any."""
+        return None
+
+    @property
     def added(self) -> tuple[Added, ...]:
         """Variables of the result beside the outputs: derivatives, ends of bands."""
-        return ()
+        return tuple(one for one in (self.derived, self.bands) if one is not None)
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:

@@ -12,7 +12,7 @@ from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.lazy.reduced import Reduced
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.plan.bands import Bands, bands_of, problem_of_added, problems_of_bands
-from vibrafeed.core.plan.differences import Added, Asked, asked_of, cells_of, derivatives
+from vibrafeed.core.plan.differences import Asked, asked_of, cells_of, derivatives
 from vibrafeed.core.plan.evaluate import evaluate
 from vibrafeed.core.plan.labels import (
     Sample,
@@ -52,11 +52,6 @@ class Sweep(Prepared):
     def bands(self) -> Bands | None:
         """The bands of speeds in the result; None without any."""
         return bands_of(self.plan, self.grid)
-
-    @property
-    def added(self) -> tuple[Added, ...]:
-        """Derivatives and ends of bands."""
-        return tuple(one for one in (self.derived, self.bands) if one is not None)
 
 
 class ReducedSweep(Reduced):

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from scipy.io import loadmat, wavfile
 
 from vibrafeed.core.errors import StudyError, refused
 from vibrafeed.core.system import installing
@@ -43,11 +42,13 @@ def _unreadable(path: Path, section: str, error: Exception) -> StudyError:
         package = error.name
         message = f"reading {_PACKAGES[package]} needs {package}, which is not installed"
         return refused(section, message, f"{installing(package)}, or export the table as CSV")
-    message = f"{path.name} is not a {path.suffix[1:].upper()} file, or is damaged: {error}"
+    message = f"{path.name} is damaged, or is not a file of its kind: {error}"
     return refused(section, message[:300], "Export the table as CSV")
 
 
 def _of_wav(path: Path) -> tuple[dict[str, Column], float]:
+    from scipy.io import wavfile  # a tenth of a second, and few tables are such files
+
     rate, samples = wavfile.read(path)
     channels = samples.reshape(len(samples), -1).T
     if channels.dtype.kind in "iu":
@@ -58,6 +59,8 @@ def _of_wav(path: Path) -> tuple[dict[str, Column], float]:
 
 
 def _of_mat(path: Path) -> tuple[dict[str, Column], float]:
+    from scipy.io import loadmat  # as above
+
     columns: dict[str, Column] = {}
     for name, values in loadmat(path).items():
         if name.startswith("__") or getattr(values, "dtype", np.dtype("O")).kind not in "iuf":

@@ -427,7 +427,7 @@ def test_observations_stand_in_a_workbook(tmp_path):
         ("runs.csv", "amplitude,amplitude\n1,2\n", "two columns have the name 'amplitude'"),
         ("runs.txt", "", "the table is empty"),
         ("none.csv", None, "cannot be read"),
-        ("runs.xlsx", "no workbook", "is not a XLSX file, or is damaged"),
+        ("runs.xlsx", "no workbook", "runs.xlsx is damaged, or is not a file of its kind"),
     ],
 )
 def test_a_file_that_holds_no_observations_is_told(tmp_path, name, text, told):
