@@ -130,7 +130,7 @@ def simulate(
         `help(vibrafeed)` says how values are written, and what all studies have.
 
     Drive and results
-        drive : a recording of an accelerometer (docs/measured-drives.md)
+        drive : a recording of an accelerometer (docs/measuring.md)
         outputs : names of outputs; the mean `conveying_velocity` if left out
         trajectory : motion of one cell at so many steps, or at these times [s]
         reduce : statistics over some axes instead of all cells (docs/reduce.md)
