@@ -99,7 +99,7 @@ whole set is."""
 
 WITHOUT = """\
 Two-level waves: D. Quaid, 1999; D. Yako, 2026. Best level wave: P. Umbanhowar and K. M. Lynch,
-2008; the [proof](best-wave.md) is ours. Winkler's wave: G. Winkler, 1978. Drives far above
+2008; the [proof](theory/best-drive.md) is ours. Winkler's wave: G. Winkler, 1978. Drives far above
 friction: the principle is D. Reznik's and J. Canny's. Answers whose name has `-r1.` have random
 inputs, and the value of the formula that `source` states."""
 
