@@ -30,7 +30,7 @@ BEGIN = """\
 
 With published inputs the predicted way of a part is off by 41 % of the travel; with friction and
 force measured in the run, by 9 %. The model is not the reason: friction is no constant of a
-material. So [calibrate](calibrate.md), or give
+material. So [calibrate](friction.md#calibrate), or give
 [friction as a range](friction.md#or-give-the-pair)."""
 
 MEASURED = (

@@ -282,7 +282,7 @@ def calibrate(
     **parameters
         Those common to all runs; `vibrafeed.scene` and `help(vibrafeed)` say more.
 
-    Measurements (docs/calibrate.md)
+    Measurements (docs/friction.md)
         observations : the runs, as mappings, or the name of a CSV or XLSX file
         error : standard deviation of what was measured: number, text or "5 %"
         unknowns : `{"friction": {"lower": 0.1, "upper": 0.6}}`, or mean, deviation
