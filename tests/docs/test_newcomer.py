@@ -12,7 +12,7 @@ from newcomer import WIDTH, Differs, play, unprinted
 from vibrafeed.app.cli import app
 
 ROOT = Path(__file__).parents[2]
-PLAYED = ("my-bowl", "measuring", "friction", "optimise", "tuning", "which-way-up")
+PLAYED = ("my-bowl", "measuring", "friction", "motion", "optimise", "tuning", "which-way-up")
 PAGES = ["README.md", *(f"docs/{page}.md" for page in PLAYED)]
 
 
