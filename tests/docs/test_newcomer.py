@@ -12,7 +12,9 @@ from newcomer import WIDTH, Differs, play, unprinted
 from vibrafeed.app.cli import app
 
 ROOT = Path(__file__).parents[2]
-PLAYED = ("my-bowl", "measuring", "friction", "motion", "optimise", "tuning", "which-way-up")
+PLAYED = (
+    "my-bowl", "measuring", "friction", "motion", "optimise", "rows", "tuning", "which-way-up",
+)  # fmt: skip
 PAGES = ["README.md", *(f"docs/{page}.md" for page in PLAYED)]
 
 
