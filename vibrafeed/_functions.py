@@ -87,7 +87,7 @@ def sweep(
         outputs : names of outputs of the scene
         variant : thesis, derived or physical; the scene's own if left out
         part : a part from a file (docs/which-way-up.md)
-        reduce : statistics over some axes instead of all cells (docs/reduce.md)
+        reduce : statistics over some axes instead of all cells (docs/scale.md)
         sensitivities : derivatives and elasticities, too: True, or parameters
     Numerics
         verify : number of random cells to evaluate again in extended precision
@@ -133,7 +133,7 @@ def simulate(
         drive : a recording of an accelerometer (docs/measuring.md)
         outputs : names of outputs; the mean `conveying_velocity` if left out
         trajectory : motion of one cell at so many steps, or at these times [s]
-        reduce : statistics over some axes instead of all cells (docs/reduce.md)
+        reduce : statistics over some axes instead of all cells (docs/scale.md)
         sensitivities : derivatives and elasticities, too: True, or parameters
     Numerics
         method : events (exact, the default), or reference to check it
