@@ -39,15 +39,15 @@ class Picture:
         Names of the studies, without folder and suffix.
     options : str
         Options of `vibrafeed plot`.
-    judged : str
-        What it shows well, and what not.
+    shows : str
+        What to see in it.
     """
 
     file: str
     asks: str
     studies: tuple[str, ...]
     options: str
-    judged: str
+    shows: str
 
     def commands(self) -> list[str]:
         """Return the commands that make the picture, run from the repository's root."""
@@ -60,90 +60,70 @@ class Picture:
 GALLERY = (
     Picture(
         "amplitude.png", "What happens when I turn up the amplitude?", ("amplitude",), "-k line",
-        "where the part begins to hop, and where it no longer repeats every period, stands in the "
-        "colours behind the curve; the borders are those of the grid.",
+        "The colours behind the curve show where the part begins to hop, and where it no longer "
+        "repeats every period.",
     ),
     Picture(
-        "drive-levels.png", "How fast, and in which way, over amplitude and angle?", ("drive",),
-        "-k levels",
-        "speeds are read off the lines while the colours stay those of the regimes, and the "
-        "hatched strip warns that a flat drive carries parts backward down the climb; kinks "
-        "of the lines in the corner of doubled periods are true, yet look like noise, and "
-        "only every second line has room for its number.",
+        "drive-levels.png", "How fast is it, over amplitude and angle?", ("drive",), "-k levels",
+        "Lines are speeds, colours are regimes. In the hatched strip a flat drive carries parts "
+        "backward down the climb. The kinks at doubled periods are real.",
     ),
     Picture(
         "drive-map.png", "Where does it stick, slide and hop?", ("drive",), "-k map",
-        "regimes are separated at a glance and in grey print, by their names; how fast the "
-        "part is cannot be seen, and the steps of the borders are those of the grid.",
+        "The names separate the regimes in grey print, too. The steps of the borders are those "
+        "of the grid.",
     ),
     Picture(
         "drive-contour.png", "Where is the fastest drive?", ("drive",), "-k contour",
-        "the fastest drive is found at once, at 0.7 mm and 23 degrees; regimes are hatches "
-        "here and fight with the lines, for which the lines over pale areas are the better "
-        "picture.",
+        "The fastest drive is at 0.7 mm and 23 degrees. Hatches are regimes.",
     ),
     Picture(
         "friction.png", "Which angle suits which friction?", ("frictions",),
         "-k line -a beta,friction",
-        "one look says that slippery parts want a steep drive, 58 degrees against 38; the "
-        "family is easy to follow up to five curves, and beyond 60 degrees, where they run "
-        "into each other, not at all.",
+        "Slippery parts need a steep drive: 58 degrees instead of 38.",
     ),
     Picture(
         "oil.png", "What does oil change?", ("amplitude", "amplitude-oiled"),
         "-v conveying_velocity",
-        "the message is plain: with oil the same drive runs backward until 0.39 mm, and "
-        "beyond it oil hardly matters; what the part does along the way is not shown, so look "
-        "at each by itself, too.",
+        "With oil the same drive conveys backward up to 0.39 mm. Beyond, oil hardly matters.",
     ),
     Picture(
         "hop.png", "What does one part do in a period?", ("hop",), "",
-        "height, velocity and way share one time, so that cause and effect stand above each "
-        "other: it takes off while the track rises, once that slows down faster than a part "
-        "falls, and loses speed at the landing; who has never seen such a picture needs the "
-        "animation first.",
+        "Height, velocity and distance share one time. The part takes off when the rising track "
+        "slows down faster than a part falls, and loses speed at the landing.",
     ),
     Picture(
         "hop.gif", "How does that look, slowly?", ("hop",), "--slow 50",
-        "shows in three seconds what takes a page to write: the track throws the part and "
-        "lands behind it; the part's size is not its own, since the model has none, and a "
-        "short slide forward lasts less than a frame, so only the strip shows it.",
+        "The track throws the part and lands behind it. The model has no size of the part, so "
+        "its size is arbitrary. A slide shorter than a frame is visible in the strip only.",
     ),
     Picture(
         "wall.png", "Does the part leave the wall?", ("wall",), "",
-        "the fourth panel answers it: the part leaves the wall for most of the period, by "
-        "0.07 mm, and comes back to it with the next stroke; across and along are not seen "
-        "together.",
+        "The fourth panel shows it: the part leaves the wall for most of the period, by 0.07 mm, "
+        "and returns with the next stroke.",
     ),
     Picture(
         "tumble.png", "How does a dropped part come to rest?", ("tumble",), "",
-        "outlines and the path of the middle show the fall well, and the lower panels say when "
-        "it strikes; the upper panel is narrow because it is true to scale, and its outlines "
-        "crowd where the pin rolls over.",
+        "The upper panel shows the outlines to scale, the lower panels the impacts.",
     ),
     Picture(
         "tumble.gif", "How does the fall look?", ("tumble",), "--slow 20",
-        "the fall is understood without a word, at the part's own size and true to scale; the "
-        "many small impacts at its end pass too fast to be counted even twenty times slower.",
+        "The part has its own size, true to scale.",
     ),
     Picture(
         "accelerations.png", "What does the formula of the thesis say?", ("accelerations",),
         "-k contour -v acceleration_x",
-        "the border between slip and flight is plain, and what lies above it is pale and "
-        "hatched as it should be; the numbers of the upper half are of no use, so half of the "
-        "picture says where not to look.",
+        "Above the border between slip and flight the formula describes no real part: the cells "
+        "are pale and hatched.",
     ),
     Picture(
         "front.png", "What does speed cost across the track?", ("front",), "-k front",
-        "three clear lines, each with its knee; the scale makes much of differences of one "
-        "per cent, so read the numbers before you trade anything.",
+        "Each line has its knee. Read the scale: the differences are about one per cent.",
     ),
     Picture(
         "angles.png", "Which two angles are best, and what limits them?", ("angles",),
         "-k landscape",
-        "optimum and both limits meet in one corner, which is the answer: floor and wall "
-        "decide, not the objective; nine tenths of the picture are excluded and only frame "
-        "it.",
+        "The optimum is in the corner of both limits: floor and wall decide.",
     ),
 )  # fmt: skip
 
@@ -175,20 +155,15 @@ def page() -> str:
     """Return the text of the gallery page."""
     parts = [
         "# Gallery\n",
-        "Every kind of picture, each with the question that it answers and the study that made it."
-        " `python -m benchmarks.gallery` carries out all studies and draws all pictures anew. A"
-        " sentence says how each was judged when it was opened: what it shows well, and what"
-        " not.\n",
+        "Each picture has its question and its commands; the studies are in `configs/gallery`."
+        " `python -m benchmarks.gallery` draws all pictures.\n",
     ]
     for picture in GALLERY:
-        studies = ", ".join(
-            f"[{name}.toml](../configs/gallery/{name}.toml)" for name in picture.studies
-        )
         parts += [
             f"## {picture.asks}\n",
+            f"{picture.shows}\n",
             f"![{picture.asks}](gallery/{picture.file})\n",
             "```sh\n" + "\n".join(picture.commands()) + "\n```\n",
-            f"Study: {studies}. Opened and judged: {picture.judged}\n",
         ]
     return "\n".join(parts)
 
