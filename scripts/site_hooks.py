@@ -1,4 +1,4 @@
-"""Studies and examples that pages link, as files of the site; mkdocs.yml calls this.
+"""The README as the site's first page, and studies that pages link; mkdocs.yml calls this.
 
 In the repository a page of docs links `../configs/x.toml`; in the site that is `configs/x.toml`.
 """
@@ -14,11 +14,14 @@ from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).parents[1]
 FILES = ("configs/**/*.toml", "configs/*.stl", "examples/*.py", "examples/*.csv")
+OUTSIDE = re.compile(r"\[([^\]]+)\]\([A-Z]+\.md\)")
 LINK = re.compile(r"\]\(\.\./((?:configs|examples)/[^)]+)\)")
 
 
 def on_files(files: Files, config: MkDocsConfig) -> None:
-    """Add the files to the site."""
+    """Add the README and the files to the site."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8").replace("](docs/", "](")
+    files.append(File.generated(config, "index.md", content=OUTSIDE.sub(r"\1", readme)))
     for pattern in FILES:
         for path in sorted(ROOT.glob(pattern)):
             name = path.relative_to(ROOT).as_posix()
