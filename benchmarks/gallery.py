@@ -1,6 +1,6 @@
 """`python -m benchmarks.gallery` makes docs/gallery.md and its pictures from configs/gallery.
 
-Each picture is made by the two commands that stand beside it on the page.
+Each picture is made by its study and the command on the page.
 """
 
 from __future__ import annotations
@@ -155,15 +155,15 @@ def page() -> str:
     """Return the text of the gallery page."""
     parts = [
         "# Gallery\n",
-        "Each picture has its question and its commands; the studies are in `configs/gallery`."
-        " `python -m benchmarks.gallery` draws all pictures.\n",
+        "The studies are in `configs/gallery`. `python -m benchmarks.gallery` runs them, as in"
+        " `vibrafeed run configs/gallery/drive.toml -o drive.nc`, and draws all pictures.\n",
     ]
     for picture in GALLERY:
         parts += [
             f"## {picture.asks}\n",
             f"{picture.shows}\n",
-            f"![{picture.asks}](gallery/{picture.file})\n",
-            "```sh\n" + "\n".join(picture.commands()) + "\n```\n",
+            f"![{picture.file}](gallery/{picture.file})\n",
+            f"```sh\n{picture.commands()[-1]}\n```\n",
         ]
     return "\n".join(parts)
 
