@@ -49,12 +49,11 @@ class Picture:
     options: str
     shows: str
 
-    def commands(self) -> list[str]:
-        """Return the commands that make the picture, run from the repository's root."""
-        runs = [f"vibrafeed run configs/gallery/{name}.toml -o {name}.nc" for name in self.studies]
+    def command(self) -> str:
+        """Return the command that draws the picture from the results of its studies."""
         files = " ".join(f"{name}.nc" for name in self.studies)
         options = f" {self.options}" if self.options else ""
-        return [*runs, f"vibrafeed plot {files}{options} -o {self.file}"]
+        return f"vibrafeed plot {files}{options} -o {self.file}"
 
 
 GALLERY = (
@@ -133,7 +132,7 @@ def draw_all(folder: Path) -> None:
     for name in sorted({name for picture in GALLERY for name in picture.studies}):
         _vibrafeed(folder, f"run {shlex.quote(str(STUDIES / name))}.toml -o {name}.nc")
     for picture in GALLERY:
-        _vibrafeed(folder, picture.commands()[-1].removeprefix("vibrafeed "))
+        _vibrafeed(folder, picture.command().removeprefix("vibrafeed "))
 
 
 def shrink(source: Path, target: Path) -> None:
@@ -163,7 +162,7 @@ def page() -> str:
             f"## {picture.asks}\n",
             f"{picture.shows}\n",
             f"![{picture.file}](gallery/{picture.file})\n",
-            f"```sh\n{picture.commands()[-1]}\n```\n",
+            f"```sh\n{picture.command()}\n```\n",
         ]
     return "\n".join(parts)
 
