@@ -1,4 +1,4 @@
-"""`python -m benchmarks.gallery` makes docs/gallery.md and its pictures from configs/gallery.
+"""`python -m benchmarks.gallery` makes docs/generated/gallery.md and its pictures from configs/gallery.
 
 Each picture is made by its study and the command on the page.
 """
@@ -19,7 +19,7 @@ from vibrafeed.app.cli import app
 ROOT = Path(__file__).parents[1]
 STUDIES = ROOT / "configs" / "gallery"
 PICTURES = ROOT / "docs" / "gallery"
-PAGE = ROOT / "docs" / "gallery.md"
+PAGE = ROOT / "docs" / "generated" / "gallery.md"
 WIDTHS = (1000, 800, 640)  # dots
 COLOURS = (256, 128, 64)  # of a PNG: flat colours need few, and the file is a third as large
 LARGEST = 150_000  # bytes of a PNG
@@ -161,7 +161,7 @@ def page() -> str:
         parts += [
             f"## {picture.asks}\n",
             f"{picture.shows}\n",
-            f"![{picture.file}](gallery/{picture.file})\n",
+            f"![{picture.file}](../gallery/{picture.file})\n",
             f"```sh\n{picture.command()}\n```\n",
         ]
     return "\n".join(parts)
