@@ -1,4 +1,4 @@
-"""`python -m benchmarks.gallery` makes docs/generated/gallery.md and its pictures from configs/gallery.
+"""`python -m benchmarks.gallery` makes docs/generated/gallery.md and its pictures.
 
 Each picture is made by its study and the command on the page.
 """
