@@ -43,7 +43,8 @@ def test_every_error_names_tests_that_exist_or_says_why_there_is_none():
 def test_what_is_named_exists():
     for path in re.findall(r"`((?:tests|configs|core|docs)/\S+\.(?:py|toml|md))`", TEXT):
         assert (ROOT / path).is_file(), path
-    theory = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8")
+    pages = (ROOT / "docs").glob("theory*/*.md")
+    theory = "".join(page.read_text(encoding="utf-8") for page in [ROOT / "docs/theory.md", *pages])
     for section in set(re.findall(r"\btheory (\d+(?:\.\d+)*)", TEXT)):
         assert re.search(rf"^#+ {re.escape(section)}\.? \S", theory, re.MULTILINE), section
     of_the_thesis = [name for name, scene in SCENES.items() if scene.source]
