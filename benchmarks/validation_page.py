@@ -99,8 +99,8 @@ reader of 100 lines. `shown` answers are not judged one by one; the scatter of t
 WITHOUT = """\
 Sources: two-level waves, D. Quaid, 1999, and D. Yako, 2026; best level wave, P. Umbanhowar and K.
 M. Lynch, 2008 (the [proof](best-wave.md) is ours); Winkler's wave, G. Winkler, 1978; drives far
-above friction, the principle of D. Reznik and J. Canny. Answers with `-r1.` in their name have random
-inputs and the value of the formula in `source`."""
+above friction, the principle of D. Reznik and J. Canny. Answers with `-r1.` in their name have
+random inputs and the value of the formula in `source`."""
 
 ENGINES = """\
 ## Physics engines on the same problems
@@ -122,8 +122,8 @@ MuJoCo's contacts are soft, which matters where the load is near 0 for a while, 
 `python -m benchmarks.validation_engines` runs the installed engines, at 20 to 2,000 steps. The
 [extra](install.md#extras) `engines` installs MuJoCo, PyBullet and pymunk; `pip install dartpy`
 DART; Debian's package `python3-siconos` (4.4.0, which reports 4.5.0) Siconos, for Debian's own
-Python (`--python siconos=/usr/bin/python3`). Times are of two shared cores. Siconos was not available when
-the last problem was added."""
+Python (`--python siconos=/usr/bin/python3`). Times are of two shared cores. Siconos was not
+available when the last problem was added."""
 
 
 def page() -> str:
@@ -215,7 +215,8 @@ def _measured(tables: dict[str, Table]) -> Iterator[str]:
         f"In {len(apart)} runs F >= 38 N; below that the part loses contact. The formula leaves a "
         f"root mean square error of {value(scatter):.2f} mm/s ({scatter.value:.2f} expected), and "
         f"at most {np.abs(apart).max():.1f} mm/s. The data do not determine the moving mass: only "
-        "mu_k/m counts, and with 0.358 kg and the printed mu_k of 0.34 the error is three times as large."
+        "mu_k/m counts, and with 0.358 kg and the printed mu_k of 0.34 the error is three times as "
+        "large."
     )
 
 
