@@ -231,7 +231,7 @@ STATEMENTS = [
     ),
     Statement(25, "lowest v/v_max of the box", "0.849", lowest_share_of_box),
     Statement(25, "best alpha", "16.7", best_alpha),
-    # The wall load as theory 4.3 lists it.
+    # The wall load at rest, theory 4.3.
     Statement(
         25,
         "wall load",
