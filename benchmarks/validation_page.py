@@ -135,7 +135,7 @@ def page() -> str:
     lines = [
         BEGIN,
         "",
-        "## What was measured",
+        "## Measurements",
         "",
         *markdown_table(columns, MEASURED),
         "",
