@@ -193,7 +193,7 @@ _RELATIONS: Final = (
     ("period_multiple", "period", "Ask for period_multiple: period times frequency"),
     *(
         (name, " ".join(name.replace("let_down", old) for old in ("resting", "second")),
-         f"Ask for {name} and {name.replace('let_down', 'thrown')}: the share lies between them")
+         f"Ask for {name} and {name.replace('let_down', 'thrown')}: the share is between them")
         for name in QUANTITIES if name.startswith("let_down_share_")
     ),
 )  # fmt: skip

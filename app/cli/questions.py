@@ -181,7 +181,7 @@ QUESTIONS: Final = (
     ),
     Question(
         "moving_mass", "Mass of trough or bowl", "10 kg", parameter="moving_mass",
-        says="Mass of trough or bowl, with what is fixed to it.", needs=_OF_SPRINGS,
+        says="Mass of the trough or bowl, with everything fixed to it.", needs=_OF_SPRINGS,
     ),
     Question(
         "base_mass", "Mass of the base", "30 kg", parameter="base_mass",

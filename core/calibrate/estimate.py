@@ -267,8 +267,8 @@ def _coordinates(
 KIND: Final = Kind(
     name="calibrate",
     title="Find parameters from measured speeds",
-    description="Finds, from measured speeds or from what parts were seen to do, friction and "
-    "other unknown parameters, and which run would add most.",
+    description="Finds friction and other unknown parameters from measured speeds or observed "
+    "behaviour, and the run that would add most.",
     model=CalibrateStudy,
     scenes=(SYSTEMS,),
     example={

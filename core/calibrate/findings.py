@@ -210,7 +210,7 @@ class Findings:
         over = np.abs(np.nan_to_num(self.arrays["residual_over_error"]))
         far = [f"{k + 1} ({over[k]:.1f} errors)" for k in np.argsort(-over) if over[k] > FAR]
         if far:
-            yield f"Far from what the best values give: run {', '.join(far[:5])}"
+            yield f"Far from the best fit: run {', '.join(far[:5])}"
         seen = self.arrays.get("probability_of_seen")
         if seen is not None:
             odd = [f"{k + 1} ({self.model.runs.seen[k]})" for k in np.flatnonzero(seen < 0.1)]

@@ -119,7 +119,7 @@ def _misused(study: CalibrateStudy) -> Iterable[Problem]:
             yield Problem(
                 f"parameters.{name}",
                 "it has several values",
-                "Give one value that all runs share; what differs stands in the observations",
+                "Give one value that all runs share; put values that differ in the observations",
             )
 
 
@@ -167,7 +167,7 @@ def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]
             problems.append(
                 Problem(
                     f"parameters.{name}",
-                    f"{name} stands in the parameters and in the observations",
+                    f"{name} is in the parameters and in the observations",
                     "Give it once",
                 )
             )
@@ -254,7 +254,7 @@ def _open(
             yield Problem(
                 path,
                 f"there is no {unknown.parameter} among the parameters or observations",
-                "Give what it changes, or move it to [unknowns]",
+                "Give the parameter that it changes, or move it to [unknowns]",
             )
 
 

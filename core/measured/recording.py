@@ -466,6 +466,6 @@ def _by_sensitivity(text: str, unit: str, factor: float) -> tuple[float, int]:
     raise refused(
         "sensitivity",
         f"'{text[:40]}' is not a sensitivity for channels in {unit or 'counts'}",
-        'Write what the sensor gives for its quantity, such as "100 mV/g" or "16384 counts/g", and '
-        "the unit of the channels: V, mV or counts",
+        'Write the output of the sensor for its quantity, such as "100 mV/g" or "16384 counts/g", '
+        "and the unit of the channels: V, mV or counts",
     )

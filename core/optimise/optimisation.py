@@ -25,7 +25,7 @@ from vibrafeed.core.study.optimise_study import Limited, OptimiseStudy, Pareto, 
 from vibrafeed.core.study.values import Between
 
 SECONDS = {"exact": 2e-5, "search": 0.01, "scipy": 0.2}
-"""Roughly what a design takes by each method."""
+"""Approximate time of a design by each method."""
 MOTION_SECONDS = 0.2  # roughly, of a design of motions, besides what following them takes
 RIVAL_SECONDS = 0.02  # roughly, of a design by the method that verifies
 

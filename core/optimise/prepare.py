@@ -302,7 +302,7 @@ def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
         yield Problem(
             "quantile",
             "it is missing",
-            "Add quantile = 0.05 for what all but a twentieth of the parts do better than",
+            "Add quantile = 0.05 for the value that all but a twentieth of the parts exceed",
         )
     if study.quantile is not None and not LEAST_SHARE <= study.quantile <= 1 - LEAST_SHARE:
         yield Problem(

@@ -90,7 +90,7 @@ def draw(
             raise PlotError(
                 "dataset",
                 f"{reprlib.repr(each)} is not a dataset",
-                "Give what `sweep` or `simulate` returned, or the path of a file",
+                "Give a dataset that `sweep` or `simulate` returned, or the path of a file",
             )
     first = datasets[0]
     axes = None if axes is None else tuple(map(letter_of, axes))

@@ -131,7 +131,7 @@ BOWL_TRACK: dict[str, Quantity] = {
     },
     "load_radius": length(
         "R_l", "Radius of the load",
-        "Radius at which the load lies; by default that of the part.", "180 mm",
+        "Radius of the load; by default that of the part.", "180 mm",
     ),
     "load_fraction": _fraction(
         "Share of the track, load",
@@ -188,7 +188,7 @@ def _offset(symbol: str, label: str, says: str) -> Quantity:
 
 DRIVE_UNIT: dict[str, Quantity] = {
     "moving_mass": _input(
-        "kg", "m_1", "Moving mass", "Mass of trough or bowl, with what is fixed to it.", "10 kg",
+        "kg", "m_1", "Moving mass", "Mass of the trough or bowl and its fixtures.", "10 kg",
         strict=True,
     ),
     "base_mass": _input(
@@ -366,11 +366,11 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "trough.", bundle=True),
     "track_amplitude": Quantity(
         "m", "A_0", "Amplitude of the track",
-        "Amplitude of the track itself, zero to peak: what a study of motion takes as amplitude.",
+        "Amplitude of the track itself, zero to peak: the amplitude of a study of motion.",
     ),
     "vibration_angle": Quantity(
         "degree", "beta", "Vibration angle",
-        "Angle of the vibration above the track: what a study of motion takes as beta.",
+        "Angle of the vibration above the track: beta of a study of motion.",
     ),
     "bowl_turn": Quantity("rad", "Theta_1", "Turn of the bowl", "Amplitude of the bowl's turning."),
     "bowl_lift": Quantity("m", "z_1", "Lift of the bowl", "Amplitude of the bowl's lift."),

@@ -315,8 +315,8 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
             }
         ),
     ] = Field(
-        description="The runs: what differs between them, and what was measured; or the name of a "
-        "CSV or XLSX file in the study's folder.",
+        description="The runs: the parameters that differ between them and the measurements; or "
+        "the name of a CSV or XLSX file in the study's folder.",
         min_length=1,
     )
     error: float | Annotated[str, Field(max_length=200)] | None = Field(

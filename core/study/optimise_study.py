@@ -140,8 +140,8 @@ class OptimiseStudy(DrivenStudy):
     part: Part = PART
     method: str | None = Field(
         None,
-        description="The optimiser; where left out, the exact answer if there is one, else what "
-        "was measured to be best.",
+        description="The optimiser; by default the exact answer if there is one, else the "
+        "optimiser that was measured to be best.",
         max_length=100,
     )
     variables: Variables | None = Field(
@@ -168,8 +168,8 @@ class OptimiseStudy(DrivenStudy):
     )
     robust: Literal["worst", "mean", "quantile"] | None = Field(
         None,
-        description="What is looked for under them: the best worst case (where left out), the "
-        "best mean, or the best quantile.",
+        description="The aim under them: the best worst case (the default), the best mean, or "
+        "the best quantile.",
     )
     quantile: float | None = Field(
         None,

@@ -352,7 +352,7 @@ def test_a_study_as_a_whole_is_told_all_its_problems():
         "observations row 2, amplitude: other runs have amplitude",
         "observations row 2, error: other runs have an error",
         "observations row 3: the run in row 3 of the observations has no measured value",
-        "parameters.frequency: frequency stands in the parameters and in the observations",
+        "parameters.frequency: frequency is in the parameters and in the observations",
         "unknowns.beta: beta is unknown, and given in the parameters",
         "offsets.alpha: there is no alpha among",
         "candidates.beta: all runs share it",
