@@ -255,8 +255,8 @@ ALONG = {"kind": "simulate", "outputs": ["conveying_velocity"]}
 @pytest.mark.parametrize(
     ("study", "parameters", "words"),
     [
-        *((SWEEP, {typed: 180}, ["square of voltage", "scale drive_force by (V/V0)^2"])
-          for typed in ("drive_voltage", "volts", "drive_current")),
+        *((SWEEP, {typed: 180}, ["square of voltage", "one measured point by measured_volt"])
+          for typed in ("volts", "drive_current")),
         (SWEEP, {"weight": "3 N"},
          ["parameters.weight: 'weight' is not a parameter. Write mass"]),
         ({**BOX, "outputs": ["let_down_share_flat"]}, {"centre_of_mass": "5 mm"},
