@@ -45,6 +45,19 @@ DRIVE: dict[str, Quantity] = {
         )
         for letter, axis, where in _WAYS for n in _ORDERS
     },
+    "ellipse_major": Quantity(
+        "m", "a", "Semi-major axis", "Semi-major axis of an elliptical drive.", 0.0,
+        parameter=True, examples=("0.3 mm",), usual=(1e-9, 0.025),
+    ),
+    "ellipse_minor": Quantity(
+        "m", "b", "Semi-minor axis",
+        "Semi-minor axis of an elliptical drive: above 0 the track moves forward at the bottom, "
+        "below 0 it turns the other way.", parameter=True, examples=("0.1 mm",),
+    ),
+    "ellipse_tilt": angle(
+        "theta", "Tilt of the ellipse", "Angle of the semi-major axis above the track.", 180.0,
+        "15 deg",
+    ),
     **{
         f"acceleration_{axis}_{n}": Quantity(
             "m s-2", f"a{letter}{n}", f"Acceleration {axis}, step {n}",
