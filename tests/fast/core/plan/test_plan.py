@@ -219,7 +219,7 @@ VELOCITY = ("rectangle-on-track", ["transport_velocity"])
         (VELOCITY, {**DRIVEN, "radius": 0.5, "distance": 1e-4, "width": 1e-3, "mass": 5e-3},
          {"width": "not used", "mass": "not used"}),
         (VELOCITY, {**DRIVEN, "radius": 0.5}, {"distance": "missing"}),
-        (ACCELERATION, {**DRIVEN, "beta": {"start": 90, "stop": 0, "num": 9}}, {"beta": "Swap"}),
+        (ACCELERATION, {**DRIVEN, "beta": {"start": 90, "stop": 90, "num": 9}}, {"beta": "both 90"}),
         (ACCELERATION, {**DRIVEN, "friction": -0.3}, {"friction": "at least 0"}),
         (("rectangle-on-track", ["wall_force_front"]),
          {**DRIVEN, "length": 1.2, "radius": 0.5, "width": 0.01, "mass": 1},
