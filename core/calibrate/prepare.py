@@ -60,7 +60,7 @@ def prepare(study: CalibrateStudy) -> Calibration:
         problems += [*found, *_of_scene(study, scene, method, output)]
         outputs = (AMPLITUDE,) if output == AMPLITUDE or scene.name in UNITS else OUTPUTS
         outputs += ("feed_rate",) if output == "feed_rate" else ()
-        plan = plan_scene(scene, method, outputs, tuple(named))
+        plan = plan_scene(scene, method, outputs, tuple(named), {*shared, *columns})
     except StudyError as error_:
         raise StudyError(
             [*problems, *(locate_problem(one, study) for one in error_.problems)]
