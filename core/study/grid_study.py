@@ -192,7 +192,7 @@ Drive = Annotated[
 
 # --- Names and sizes in sections of a study.
 
-CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise")
+CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise", "reach")
 """The kinds of criterion of an optimisation."""
 
 DRIVE_ANGLES: Final = ("alpha", "beta")
