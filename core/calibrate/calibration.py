@@ -39,9 +39,9 @@ def columns_of(grid: Grid) -> dict[str, Array]:
     all combinations of its axes, with the fixed parameters repeated. Values are in the units of
     studies.
     """
-    axes = [grid.coordinate(name) for name in grid.axes]
-    mesh = np.meshgrid(*axes, indexing="ij") if axes else []
-    found = {name: values.ravel() for name, values in zip(grid.axes, mesh, strict=True)}
+    positions = np.indices(tuple(grid.shape.values())).reshape(len(grid.axes), -1)
+    place = dict(zip(grid.axes, positions, strict=True))
+    found = {name: grid.values_of(name).array()[place[axis]] for name, axis in grid.along.items()}
     return found | {name: np.full(grid.cells, value) for name, value in grid.fixed.items()}
 
 

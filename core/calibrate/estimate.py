@@ -38,6 +38,7 @@ from vibrafeed.core.plan.differences import jacobian
 from vibrafeed.core.plan.labels import global_attributes
 from vibrafeed.core.plan.pieces import FOLLOWED, Computed, Kind
 from vibrafeed.core.study.calibrate_study import FEWEST_POINTS, CalibrateStudy
+from vibrafeed.core.study.values import DESIGN
 from vibrafeed.core.watch import Watch
 
 # --- The last digits of the best values: least squares by scipy from the best point of a mode.
@@ -292,6 +293,10 @@ def _coordinates(
             values = prepared.candidates.coordinate(name)
             key = CANDIDATE + name
             coordinates[key] = TableVariable((key,), values, quantity_attributes(name))
+        for name, values in prepared.candidates.paired.items():
+            coordinates[CANDIDATE + name] = TableVariable(
+                (CANDIDATE + DESIGN,), values.array(), quantity_attributes(name)
+            )
     known = {n: v for n, v in model.shared.items() if n not in {u.name for u in model.unknowns}}
     for name, value in known.items():
         coordinates[name] = TableVariable((), np.asarray(value), quantity_attributes(name))

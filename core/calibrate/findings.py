@@ -256,7 +256,7 @@ class Findings:
         drive = ", ".join(
             f"{name} {in_unit(value, QUANTITIES[name].unit, self.units)}"
             for name, value in values.items()
-            if name in grid.axes or len(grid.axes) == 0
+            if name in grid.along or len(grid.axes) == 0
         )
         narrower = self._narrower(best)
         if gain[best] < LITTLE:
