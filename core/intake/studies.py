@@ -140,9 +140,8 @@ class Draft:
             prepared = KINDS[study.kind].prepare(study)
         except StudyError as error:
             raise self._error(error.problems) from None
-        return replace(
-            prepared, questions=(*self.questions, *map(self._in_words, prepared.questions))
-        )
+        more = (*prepared.questions, *prepared.unused)
+        return replace(prepared, questions=(*self.questions, *map(self._in_words, more)))
 
     def _error(self, problems: Iterable[Problem]) -> StudyError:
         said = self._in_words

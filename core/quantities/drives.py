@@ -45,6 +45,19 @@ DRIVE: dict[str, Quantity] = {
         )
         for letter, axis, where in _WAYS for n in _ORDERS
     },
+    "ellipse_major": Quantity(
+        "m", "a", "Semi-major axis", "Semi-major axis of an elliptical drive.", 0.0,
+        parameter=True, examples=("0.3 mm",), usual=(1e-9, 0.025),
+    ),
+    "ellipse_minor": Quantity(
+        "m", "b", "Semi-minor axis",
+        "Semi-minor axis of an elliptical drive: above 0 the track moves forward at the bottom, "
+        "below 0 it turns the other way.", parameter=True, examples=("0.1 mm",),
+    ),
+    "ellipse_tilt": angle(
+        "theta", "Tilt of the ellipse", "Angle of the semi-major axis above the track.", 180.0,
+        "15 deg",
+    ),
     **{
         f"acceleration_{axis}_{n}": Quantity(
             "m s-2", f"a{letter}{n}", f"Acceleration {axis}, step {n}",
@@ -267,7 +280,8 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "drive_force": _input(
         "N", "F", "Force of the drive",
         "Amplitude of the force between both masses, at the drive's frequency; a magnet's follows "
-        "from flux_density and pole_area, an unbalance's from unbalance.",
+        "from flux_density and pole_area, or from drive_voltage and one measured amplitude; an "
+        "unbalance's from unbalance.",
         "100 N", strict=True,
     ),
     "flux_density": _input(
@@ -276,6 +290,36 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "pole_area": _input(
         "m2", "A", "Pole area", "Area of all poles of the magnet that pull.", "12 cm^2", strict=True
+    ),
+    "drive_voltage": _input(
+        "V", "U", "Voltage of the drive",
+        "Voltage of the controller; the force follows from the amplitude measured at another one.",
+        "180 V", strict=False,
+    ),
+    "measured_voltage": _input(
+        "V", "U_m", "Measured voltage", "Voltage at which measured_amplitude was measured.",
+        "150 V", strict=True,
+    ),
+    "measured_amplitude": length(
+        "A_m", "Measured amplitude",
+        "Amplitude of the empty track at measured_voltage and measured_frequency, zero to peak: "
+        "half of the stroke.", "0.15 mm",
+    ),
+    "measured_frequency": _input(
+        "Hz", "f_m", "Measured frequency", "Frequency at which measured_amplitude was measured.",
+        "50 Hz", strict=True,
+    ),
+    "measured_radius": length(
+        "R_m", "Measured radius",
+        "Radius of a bowl at which measured_amplitude was measured.", "200 mm",
+    ),
+    "force_exponent": _input(
+        "1", "n", "Exponent of the force",
+        "Exponent by which the force grows with the voltage: 2 of a magnet without saturation.",
+        "2", strict=True,
+    ),
+    "measured_response": Quantity(
+        "m", "", "Measured response", "Amplitude of the empty track per newton.", bundle=True
     ),
     "force_harmonic": Quantity(
         "1", "F_2/F_1", "Second harmonic of the force",

@@ -192,13 +192,13 @@ Drive = Annotated[
 
 # --- Names and sizes in sections of a study.
 
-CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise")
+CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise", "reach")
 """The kinds of criterion of an optimisation."""
 
 DRIVE_ANGLES: Final = ("alpha", "beta")
 """The variables of an optimisation that names none."""
 
-OBSERVED: Final = ("conveying_velocity", "feed_rate")
+OBSERVED: Final = ("conveying_velocity", "feed_rate", "track_amplitude")
 """Outputs that may have been measured."""
 
 MAX_RUNS: Final = 1_000

@@ -70,7 +70,15 @@ class Minimise(Frozen):
     output: OutputName = Field("acceleration_x", description="The output.")
 
 
-Criterion = Weighted | Limited | Pareto | Maximise | Minimise
+class Target(Frozen):
+    """The value nearest to a target."""
+
+    kind: Literal["reach"] = "reach"
+    output: OutputName = Field("conveying_velocity", description="The output.")
+    target: Level = Field(description="The value that the output is to reach.")
+
+
+Criterion = Weighted | Limited | Pareto | Maximise | Minimise | Target
 """The criterion: which output is maximised or minimised."""
 
 
