@@ -1,6 +1,6 @@
 """Prints how far predicted courses of a part lie from ten that were tracked.
 
-D. Yako, J. Nowak, S. Yuan, K. Salisbury, 2025, arXiv 2502.05693: a part of 9 g is pressed onto an
+Yako, Nowak, Yuan and Salisbury, 2025, arXiv 2502.05693: a part of 9 g is pressed onto an
 upright surface, whose impacts lift it; a camera tracks both. Their raw data are public and not part
 of vibrafeed: the folder `matlab/data` of the repository
 clyako/vertical-vibratory-transport-of-grasped-parts-using-impacts.

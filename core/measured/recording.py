@@ -359,16 +359,18 @@ def read_once(table: InputTable, recording: Recording) -> tuple[Signal, dict[str
     if signal.times.size > MAX_SAMPLES_ONCE:
         message = f"the recording has {signal.times.size:,} samples to follow once"
         problems.append(Problem("once", message, f"Give at most {MAX_SAMPLES_ONCE:,}"))
+    problems += [Problem("time", gaps, "Record again without them") for gaps in signal.notes]
     raise_any(problems)
-    times, values, lasts = signal.times, signal.values, np.ptp(signal.times)
+    times, values = signal.times - signal.times[0], signal.values
     if signal.derivative == 2:
-        means = np.trapezoid(values, times) / lasts
-        moved = values - means[:, np.newaxis]
+        gained = np.array([np.trapezoid(one, times) for one in values])
+        mean = gained[:, np.newaxis] / times[-1]
+        moved = values - mean
     else:
-        means = (values[:, -1] - values[:, 0]) / lasts
-        moved = values - values[:, :1] - np.outer(means, times)
-    kept = dict(zip(signal.axes, means.tolist(), strict=True))
-    return signal._replace(values=moved), kept
+        mean = (values[:, -1:] - values[:, :1]) / times[-1]
+        moved = values - values[:, :1] - mean * times
+    left = dict(zip(signal.axes, mean[:, 0].tolist(), strict=True))
+    return signal._replace(times=times, values=moved), left
 
 
 def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
