@@ -425,27 +425,22 @@ def _measured_drive(
         "sha256": hashlib.sha256(raw).hexdigest(),
     }
     if fit is None:
-        return MeasuredDrive(
-            **origin,
-            left_over={},
-            numbers={"frequency": _rounded(1.0 / signal.times[-1]), "burst_periods": 1.0},
-            samples={
-                name: [*map(_rounded, values.tolist())]
-                for name, values in (
-                    ("time", signal.times),
-                    *zip(signal.axes, signal.values, strict=True),
-                )
-            },
-            derivative=signal.derivative,
-            constant={axis: _rounded(mean) for axis, mean in constant.items()},
-        ), None
-    left_over: dict[Any, float] = dict(zip(fit.axes, map(_rounded, fit.left_over), strict=True))
-    return MeasuredDrive(
-        **origin,
-        left_over=left_over,
-        clock_error=None if fit.clock is None else _rounded(fit.clock.error),
-        numbers={name: _rounded(value) for name, value in fit.parameters().items()},
-    ), fit
+        numbers = {"frequency": 1.0 / signal.times[-1], "burst_periods": 1.0}
+        samples = {"time": signal.times, **dict(zip(signal.axes, signal.values, strict=True))}
+        kept: dict[str, Any] = {
+            "left_over": {},
+            "samples": {name: [*map(_rounded, one.tolist())] for name, one in samples.items()},
+            "derivative": signal.derivative,
+            "constant": {axis: _rounded(mean) for axis, mean in constant.items()},
+        }
+    else:
+        numbers = fit.parameters()
+        kept = {
+            "left_over": dict(zip(fit.axes, map(_rounded, fit.left_over), strict=True)),
+            "clock_error": None if fit.clock is None else _rounded(fit.clock.error),
+        }
+    rounded = {name: _rounded(value) for name, value in numbers.items()}
+    return MeasuredDrive.model_validate({**origin, **kept, "numbers": rounded}), fit
 
 
 def unreadable(path: str, error: Exception, source: str | Path, kind: str) -> StudyError:

@@ -190,7 +190,7 @@ def prepare(study: SimulateStudy) -> Simulation:
 def record_of(study: SimulateStudy) -> Record | None:
     """Return the drive of a study whose recording is followed as it is; None of any other."""
     drive = study.drive
-    return Record.of(drive.samples, drive.derivative) if drive and drive.samples else None
+    return Record.of(drive.samples, drive.derivative or 2) if drive and drive.samples else None
 
 
 def _problems_of_record(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:

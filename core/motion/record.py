@@ -67,7 +67,7 @@ class Record:
     push: Any
 
     @classmethod
-    def of(cls, samples: Mapping[str, Sequence[float]], derivative: int) -> "Record":
+    def of(cls, samples: Mapping[Any, Sequence[float]], derivative: int) -> "Record":
         """Return the drive of accelerations [m s-2] or velocities [m s-1] by axis, and `time` [s].
 
         `derivative` is 2 of accelerations, 1 of velocities; either is linear between the samples.

@@ -137,7 +137,9 @@ class MeasuredDrive(BaseModel):
         description="Of a recording followed once: times [s], and accelerations [m s-2] or "
         "velocities [m s-1].",
     )
-    derivative: Literal[1, 2] = Field(2, description="1 if the samples are velocities.")
+    derivative: Literal[1, 2] | None = Field(
+        None, description="1 if the samples are velocities, 2 if they are accelerations."
+    )
     constant: dict[Literal["along", "across", "normal"], _Finite] | None = Field(
         None,
         description="Of a recording followed once: its mean acceleration [m s-2], which is left "
