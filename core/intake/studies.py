@@ -191,7 +191,9 @@ class Draft:
         return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
-        kind = self.kind
+        kind, drive = self.kind, self.content.get("drive")
+        if isinstance(drive, Mapping) and "samples" in drive:
+            return []  # a recording that is followed once is no matter of names
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
             return []
         sections = {key: section for key, section in SECTIONS.items() if key in _keys_of(kind)}
