@@ -147,7 +147,7 @@ GROUPS: dict[str, tuple[Mistake, ...]] = {
         in_study("friction = -0.3", "friction = 0.3"),
         in_study('amplitude = ["0.2 mm", "0.1 mm", "0.3 mm"]', 'amplitude = "0.3 mm"'),
         in_study('frequency = { start = "20 Hz", stop = "120 Hz" }', 'frequency = "50 Hz"'),
-        in_study('frequency = { start = 120, stop = 20, num = 11 }', 'frequency = "50 Hz"'),
+        in_study('frequency = { start = 120, stop = 120, num = 11 }', 'frequency = "50 Hz"'),
     ),
     "What belongs together": (
         in_study("", "friction = 0.3\n", typed="no line `friction`"),

@@ -248,9 +248,9 @@ def test_everything_is_told_at_once():
 def test_settings_and_courses_are_told_beside_all_else():
     found = problems(
         method="reference", tolerance=1e-4, trajectory=10,
-        parameters={"friction": [0.1, 0.2], "alpha": 3, "frequency": 0, "mass": 3},
+        parameters={"friction": [0.1, 0.2], "alpha": 3, "frequency": 0, "radius": 3},
     )  # fmt: skip
-    assert set(found) == {"tolerance", "trajectory", "parameters.frequency", "parameters.mass"}
+    assert set(found) == {"tolerance", "trajectory", "parameters.frequency", "parameters.radius"}
 
 
 GONE = "is not a key of kind 'simulate'. Remove it: its method is gone, and 'events' is exact"

@@ -197,6 +197,32 @@ def test_results_do_not_depend_on_the_presence_of_other_axes():
     assert all(float(cell[name]) == float(point[name]) for name in point.data_vars)
 
 
+def test_a_parameter_of_the_scene_that_moves_no_output_is_a_warning():
+    """No dimension of the part enters its velocity; a range of it is no axis of the result."""
+    content = {
+        "kind": "sweep", "scene": VELOCITY[0], "outputs": VELOCITY[1],
+        "parameters": {**DRIVEN, "radius": 0.5, "distance": 1e-4, "width": [1e-3, 2e-3],
+                       "mass": 5e-3},
+    }  # fmt: skip
+    prepared = prepare_content(content)
+    says = "{} changes nothing: no requested output of rectangle-on-track depends on it"
+    assert prepared.questions == (says.format("width"), says.format("mass"))
+    assert prepared.cells == 1
+    kinds = {
+        "optimise": {"criterion": {"kind": "maximise", "output": "transport_velocity"},
+                     "variables": {"beta": {"lower": 5, "upper": 20}}},
+        "sensitivity": {"uncertain": {"beta": {"lower": 5, "upper": 20}}},
+    }  # fmt: skip
+    fixed = {name: value for name, value in content["parameters"].items() if name != "beta"}
+    for kind, more in kinds.items():
+        other = {**content, "kind": kind, "parameters": fixed, **more}
+        assert says.format("mass") in prepare_content(other).questions
+    apart = {**other, "uncertain": {"mass": {"lower": 1e-3, "upper": 2e-3}}}
+    del apart["parameters"]["mass"]
+    with pytest.raises(StudyError, match=r"uncertain.mass: mass is not used by"):
+        prepare_content({**apart, "parameters": {**fixed, "beta": 20}})
+
+
 MOVED = {"frequency": "50 Hz", "amplitude": "0.5 mm", "beta": 20}
 
 
@@ -215,11 +241,9 @@ VELOCITY = ("rectangle-on-track", ["transport_velocity"])
         (ACCELERATION, {**DRIVEN, "amplitude": "0.5 kg"}, {"amplitude": "mm"}),
         (ACCELERATION, {**DRIVEN, "gama": 3}, {"gama": "Did you mean 'gamma' (climb)?"}),
         (ACCELERATION, {**DRIVEN, "radius": 0.5}, {"radius": "not used by rectangle"}),
-        # No dimension of the part enters its velocity.
-        (VELOCITY, {**DRIVEN, "radius": 0.5, "distance": 1e-4, "width": 1e-3, "mass": 5e-3},
-         {"width": "not used", "mass": "not used"}),
         (VELOCITY, {**DRIVEN, "radius": 0.5}, {"distance": "missing"}),
-        (ACCELERATION, {**DRIVEN, "beta": {"start": 90, "stop": 0, "num": 9}}, {"beta": "Swap"}),
+        (ACCELERATION, {**DRIVEN, "beta": {"start": 90, "stop": 90, "num": 9}},
+         {"beta": "both 90"}),
         (ACCELERATION, {**DRIVEN, "friction": -0.3}, {"friction": "at least 0"}),
         (("rectangle-on-track", ["wall_force_front"]),
          {**DRIVEN, "length": 1.2, "radius": 0.5, "width": 0.01, "mass": 1},
