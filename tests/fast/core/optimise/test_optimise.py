@@ -208,7 +208,7 @@ def of_case_b(criterion):
 
 
 def test_the_front_of_case_b_is_the_curve():
-    """Below lift-off the best angles are on beta = atan(mu (cos alpha + sin alpha)); theory 12.1."""
+    """Below lift-off beta = atan(mu (cos alpha + sin alpha)), theory 12.1."""
     dataset = run_study(of_case_b({"kind": "pareto", "points": 200}))
     alpha, beta = np.radians(dataset.best_alpha.values), np.radians(dataset.best_beta.values)
     curve = np.arctan(0.5 * (np.cos(alpha) + np.sin(alpha)))
