@@ -9,6 +9,7 @@ import pytest
 import xarray
 
 import vibrafeed
+from refusals import words_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import gather, parse_study
 
@@ -28,9 +29,7 @@ def parameters(**given):
 
 
 def refusal(**given):
-    with pytest.raises(StudyError) as caught:
-        parameters(**given)
-    return str(caught.value)
+    return words_of(parameters, **given)
 
 
 COLUMN = pandas.Series([0.1, 0.3])
