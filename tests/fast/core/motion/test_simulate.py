@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mean_velocities import MEAN_VELOCITIES
+from refusals import told_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study, tabulate
@@ -40,9 +41,7 @@ def run(**changes):
 
 
 def problems(**changes) -> dict[str, str]:
-    with pytest.raises(StudyError) as caught:
-        prepare_content(study(**changes))
-    return {p.place: f"{p.message}. {p.fix}" for p in caught.value.problems}
+    return told_of(prepare_content, study(**changes))
 
 
 # --- methods
