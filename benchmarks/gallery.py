@@ -1,6 +1,6 @@
-"""`python -m benchmarks.gallery` makes docs/generated/gallery.md and its pictures.
+"""The gallery of the site: `python -m benchmarks.gallery` draws the pictures in docs/gallery.
 
-Each picture is made by its study and the command on the page.
+Each picture is made by its study and the command on the page, docs/generated/gallery.md.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from vibrafeed.app.cli import app
 ROOT = Path(__file__).parents[1]
 STUDIES = ROOT / "configs" / "gallery"
 PICTURES = ROOT / "docs" / "gallery"
-PAGE = ROOT / "docs" / "generated" / "gallery.md"
 WIDTHS = (1000, 800, 640)  # dots
 COLOURS = (256, 128, 64)  # of a PNG: flat colours need few, and the file is a third as large
 LARGEST = 150_000  # bytes of a PNG
@@ -174,7 +173,7 @@ def _vibrafeed(folder: Path, command: str) -> None:
 
 
 def main() -> None:
-    """Make all pictures and the gallery page."""
+    """Draw all pictures."""
     PICTURES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as name:
         draw_all(Path(name))
@@ -182,7 +181,6 @@ def main() -> None:
             shrink(Path(name) / picture.file, PICTURES / picture.file)
             size = (PICTURES / picture.file).stat().st_size
             print(f"{picture.file}: {size / 1000:.0f} kB")
-    PAGE.write_text(page(), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -7,13 +7,14 @@ docs/generated/validation-engines.json, which `python -m benchmarks.validation_e
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks.figures.judgement import VERDICTS
 from benchmarks.known_answers import FILES, Known, answer, fault, found, known_answers
 from benchmarks.validation_engines import ASKED, NAMES, PICTURE, RESULTS
 from vibrafeed.core.dataset.table import Table
@@ -28,23 +29,23 @@ SHOWN_STEPS = (100, 2000)
 BEGIN = """\
 # Validation
 
-With published inputs the predicted way of a part is off by 41 % of the travel; with friction and
-force measured in the run, by 9 %. The model is not the reason: friction is no constant of a
-material. So [calibrate](friction.md#calibrate), or give
+With published inputs the predicted displacement of a part is off by 40 % of its travel; with
+friction and force measured in the same run, by 9 %. The difference comes from friction, which
+varies between runs, not from the model. Therefore [calibrate](friction.md#calibrate), or give
 [friction as a range](friction.md#or-give-the-pair)."""
 
 MEASURED = (
     (
-        "Ten tracked courses of a part of 9 g, -2.6 to 13.4 mm/s [1]",
-        "mean position error 0.51 mm, 41 % of the largest travel; the sign is right in 9 of 10",
-        "kinetic friction and the force of each run: 0.157 mm, 9.2 % (the authors' model: 11.9 %)",
+        "Ten tracked parts of 9 g, -2.6 to 13.4 mm/s [1]",
+        "mean position error 0.52 mm, 40 % of the largest travel; sign right in 9 of 10",
+        "kinetic friction and force of each run: 0.164 mm, 9.3 % (the authors' model: 11.9 %)",
         "friction and normal force of the run",
     ),
     (
         "43 speeds on a rail, two-level waves, 3.4 to 44 mm/s [2]",
         "11.2, 9.8 and 11.8 mm/s (root mean square) with the three published masses",
         "mu/m: 3.06 mm/s, 15.6 %",
-        "the moving mass; friction scatters by 14 % between repeats on one rig",
+        "the moving mass; friction scatters by 14 % between repeats",
     ),
     (
         "15 steel cuboids, 9,329 throws [3]",
@@ -54,34 +55,34 @@ MEASURED = (
     ),
     ("Two thick coins [4]", "between let down and thrown", "none", "the same"),
     (
-        "The least acceleration that starts a part; their measurements confirm their formula [5]",
+        "Least acceleration that starts a part; the measurements confirm the authors' formula [5]",
         "by the formula: starts at 1.0001, rests at 0.9999 of the threshold",
         "none",
         "nothing",
     ),
 )
-"""Measured families: what was measured, without a fit, with what is fitted, what is missing."""
+"""Measured families: case, error without a fit, error with a fit, missing inputs."""
 
 MODEL_ENDS = """\
-1. Yako, Nowak, Yuan, Salisbury, 2025, arXiv 2502.05693; their raw data are public.
+1. Yako, Nowak, Yuan, Salisbury, 2025, arXiv 2502.05693, with public raw data, which
+   `python -m benchmarks.tracked_courses FOLDER` follows once.
 2. D. Yako, Y. Yuan, K. Salisbury, 2026, arXiv 2605.30780.
 3. The Mathematical Gazette 97.16, 2013, table 1.
 4. M. Parker's throws, in the repository iaroslav-ai/coin-experiment.
 5. Journal of the Japan Society of Precision Engineering 33/391, 1967.
 
-**Where the model ends.** Rigid contacts with Coulomb friction describe feeders of mains frequency.
-Above about 1 kHz (piezo and ultrasonic drives) contacts give way before they slip, and vibration
-lowers friction by itself. The model has no adhesion, which holds parts below about a millimetre,
-no air, and no part that rocks while it travels."""
+**Limits of the model.** Rigid contacts with Coulomb friction describe feeders of mains frequency.
+Above about 1 kHz (piezo and ultrasonic drives) contacts deform before they slip, and vibration
+lowers friction. The model has no adhesion, which holds parts below about a millimetre, no air, and
+no parts that rock while they travel."""
 
 HEAD = """\
 ## Known answers
 
-Does vibrafeed find the answers that are known? {count} of them are data in `tests/known_answers`:
-TOML files with study, value, tolerance and source. One test compares all of them;
-`python -m benchmarks.validation_page` writes this page from them.
-
-An answer is a study and the value of its output, in the units of result files:
+{count} answers that are known from elsewhere are data in `tests/known_answers`: TOML files with
+study, value, tolerance and source. One test compares all of them, and
+`python -m benchmarks.validation_page` writes this page from them. An answer is a study and the
+value of its output, in the units of result files:
 
 ```toml
 [[answers]]
@@ -94,39 +95,36 @@ source = "family: G. Winkler, 1978; value: derived by us"
 ```
 
 Other programs can read the same files: `benchmarks/known_answers.py` describes the keys and has a
-reader of 100 lines. `shown` answers are set beside a result and not judged; the scatter of their
-whole set is."""
+reader of 100 lines. `shown` answers are not judged one by one; the scatter of their set is."""
 
 WITHOUT = """\
-Two-level waves: D. Quaid, 1999; D. Yako, 2026. Best level wave: P. Umbanhowar and K. M. Lynch,
-2008; the [proof](theory/best-drive.md) is ours. Winkler's wave: G. Winkler, 1978. Drives far above
-friction: the principle is D. Reznik's and J. Canny's. Answers whose name has `-r1.` have random
-inputs, and the value of the formula that `source` states."""
+Sources: two-level waves, D. Quaid, 1999, and D. Yako, 2026; best level wave, P. Umbanhowar and K.
+M. Lynch, 2008 (the [proof](theory/best-drive.md) is ours); Winkler's wave, G. Winkler, 1978; drives far
+above friction, the principle of D. Reznik and J. Canny. Answers with `-r1.` in their name have
+random inputs and the value of the formula in `source`."""
 
 ENGINES = """\
 ## Physics engines on the same problems
 
-Five engines on six of these problems, with one coefficient of friction, which is all that they
-know. The track stands still. Before each step, gravity becomes that of a frame which moves with
-the track: less the mean acceleration of the track over that step. No engine has to move a plate,
-and the drive is exact at any step. The block cannot turn. MuJoCo's contacts are as stiff
-as its step allows; nothing else was tuned. Siconos is asked for the law of friction to 1e-12.
-`Fast ellipse` is compared with the exact answer for mu g/(A_x w^2) = 0.05. Errors are shares of the
-answer."""
+Five engines solve six of these problems, with one coefficient of friction, which is all that they
+support. The track is at rest, and gravity is that of a frame that moves with the track: before each
+step, minus the mean acceleration of the track over that step. The drive is therefore exact at any
+step. The block cannot turn. MuJoCo's contacts are as stiff as its step allows, and Siconos solves
+friction to 1e-12; nothing else was tuned. `Fast ellipse` is compared with the exact answer for
+mu g/(A_x w^2) = 0.05. Errors are shares of the answer."""
 
 AFTER = """\
-The time is processor time of one answer: the periods until the motion repeats, and 20
-more. vibrafeed is exact to rounding; its time is that of a cell among many. PyBullet, pymunk,
-DART and Siconos find the same numbers: in the frame of the track each of their steps is Coulomb's
-law on impulses, and only the time differs. Their error is of first order in the step, and
-erratic: slip turns at the end of a step, never within it. Contacts of MuJoCo give way, which
-counts where the load is near 0 for a while, as under the ellipse.
+The time is processor time of one answer: the periods until the motion repeats, and 20 more.
+vibrafeed is exact to rounding; its time is that of a cell among many. PyBullet, pymunk, DART and
+Siconos give the same numbers, because each of their steps is Coulomb's law on impulses. Their error
+is of first order in the step and erratic, because slip can only reverse at the end of a step.
+MuJoCo's contacts are soft, which matters where the load is near 0 for a while, as in the ellipse.
 
-`python -m benchmarks.validation_engines` runs the installed engines, at 20 to 2,000 steps: the
-[extra](install.md#extras) `engines` brings MuJoCo, PyBullet and pymunk, `pip install dartpy`
-DART, Debian's package `python3-siconos` (4.4.0, which calls itself 4.5.0) Siconos, for Debian's
-own Python (`--python siconos=/usr/bin/python3`). Times depend on the machine: these are of two
-cores that others used too. Siconos was missing when the last of these problems came."""
+`python -m benchmarks.validation_engines` runs the installed engines, at 20 to 2,000 steps. The
+[extra](install.md#extras) `engines` installs MuJoCo, PyBullet and pymunk; `pip install dartpy`
+DART; Debian's package `python3-siconos` (4.4.0, which reports 4.5.0) Siconos, for Debian's own
+Python (`--python siconos=/usr/bin/python3`). Times are of two shared cores. Siconos was not
+available when the last problem was added."""
 
 
 def page() -> str:
@@ -138,7 +136,7 @@ def page() -> str:
     lines = [
         BEGIN,
         "",
-        "## What was measured",
+        "## Measurements",
         "",
         *markdown_table(columns, MEASURED),
         "",
@@ -157,16 +155,18 @@ def page() -> str:
 
 
 def _groups(files: list[str], tables: dict[str, Table]) -> Iterator[str]:
-    """Yield the table of all files: answers, wrong ones, and the evidence for them."""
+    """Yield the table of all groups: files, answers, evidence, and wrong answers."""
     rows = []
-    for file in files:
-        answers = known_answers(file)
+    for group, members in groupby(files, lambda file: known_answers(file)[0].group.split(":")[0]):
+        names = list(members)
+        answers = [one for file in names for one in known_answers(file)]
         wrong = [one.name for one in answers if fault(one, tables)]
         judged = [one for one in answers if one.relation != "shown"]
         evidence = ", ".join(dict.fromkeys(one.evidence for one in answers))
         right = f"{len(judged)} of {len(judged)} right"
         verdict = f"**wrong: {', '.join(wrong)}**" if wrong else right
-        rows.append((answers[0].group, f"`{file}.toml`", str(len(answers)), evidence, verdict))
+        file = names[0] if len(names) == 1 else f"{names[0].split('-')[0]}-*"
+        rows.append((group, f"`{file}.toml`", str(len(answers)), evidence, verdict))
     yield from markdown_table(("group", "file", "answers", "evidence", "judged"), rows)
 
 
@@ -179,9 +179,9 @@ def _measured(tables: dict[str, Table]) -> Iterator[str]:
     yield "## Measured: dice and coins"
     yield ""
     yield (
-        "The share of steel cuboids x : y : y that came to rest on either square, and of coins "
-        "that came to rest on their side, beside the shares of let-down and thrown parts. Sources: "
-        f"{answer('D-thrown-1').source}; {answer('C-thrown-1').source}."
+        "Shares of steel cuboids x : y : y that came to rest on a square side, and of coins that "
+        "came to rest on their edge, compared with the shares of let-down and thrown parts. "
+        f"Sources: {answer('D-thrown-1').source}; {answer('C-thrown-1').source}."
     )
     yield ""
     rows = []
@@ -198,9 +198,8 @@ def _measured(tables: dict[str, Table]) -> Iterator[str]:
     yield ""
     left = 100 * value(answer("D-scatter-1"))
     yield (
-        f"The shares of thrown parts leave {left:.1f} points of the cuboids, as a root of the mean "
-        "square. Coins lie between both ends, at neither: no one law fits both, and the distance "
-        "of both shares is the error of either."
+        f"Thrown shares leave a root mean square error of {left:.1f} points for the cuboids. Coins "
+        "lie between both shares, and no one law fits both."
     )
     yield ""
     scatter = answer("Y-scatter-1")
@@ -214,26 +213,24 @@ def _measured(tables: dict[str, Table]) -> Iterator[str]:
         if one.relation == "shown" and one.inputs["force"] >= 38.0
     ]
     yield (
-        f"{len(apart)} runs have F >= 38 N; below that the authors lose contact of the plane. The "
-        f"formula leaves {value(scatter):.2f} mm/s as a root of their mean square, "
-        f"{scatter.value:.2f} being expected, and {np.abs(apart).max():.1f} mm/s at most. These "
-        "data do not settle the moving mass: only mu_k/m counts, and with 0.358 kg and the "
-        "printed mu_k of 0.34 the formula leaves three times as much."
+        f"In {len(apart)} runs F >= 38 N; below that the part loses contact. The formula leaves a "
+        f"root mean square error of {value(scatter):.2f} mm/s ({scatter.value:.2f} expected), and "
+        f"at most {np.abs(apart).max():.1f} mm/s. The data do not determine the moving mass: only "
+        "mu_k/m counts, and with 0.358 kg and the printed mu_k of 0.34 the error is three times as "
+        "large."
     )
 
 
 def _thesis() -> Iterator[str]:
     """Yield the number of claims on thesis figures with each verdict."""
-    text = (DOCS / "thesis.md").read_text(encoding="utf-8").partition("### Figures 5.1")[2]
-    verdicts = ("holds", "reproduced", "artefact beyond lift-off", "not reproduced",
-                "cannot be reproduced")  # fmt: skip
-    counts = {name: len(re.findall(rf"^\| [^|]+ \| {name} \|", text, re.M)) for name in verdicts}
+    text = (DOCS / "thesis.md").read_text(encoding="utf-8").partition("by `python -m")[2]
+    counts = {name: text.count(f" | {name} | ") for name in VERDICTS}
     told = ", ".join(f"{name} {count}" for name, count in counts.items())
     yield "## Figures of the thesis"
     yield ""
     yield (
-        f"Verdicts on {sum(counts.values())} claims about the figures of chapter 5: {told}. "
-        "[thesis.md](thesis.md#figures-of-chapter-5) has each with its numbers."
+        f"Verdicts on {sum(counts.values())} claims of chapter 5: {told}. "
+        "[The thesis](thesis.md#figures-of-chapter-5) lists them with their numbers."
     )
 
 

@@ -168,10 +168,10 @@ _RELATIONS: Final = (
      "Write part_gap = spacing from part to part less the length of a part"),
     ("hold_down_force", "vacuum_pressure suction holding_pressure",
      "Write hold_down_force = pressure times area"),
-    ("drive_force", "drive_voltage voltage volts drive_volts supply_voltage magnet_voltage "
+    ("drive_voltage", "voltage volts drive_volts supply_voltage controller_voltage magnet_voltage "
      "coil_voltage drive_current current coil_current amperes amps",
-     "A magnet's force goes with the square of voltage and current: measure the amplitude at one "
-     "voltage V0, find the drive_force that gives it, and scale drive_force by (V/V0)^2"),
+     "A magnet's force goes with the square of voltage and current: give drive_voltage, and one "
+     "measured point by measured_voltage, measured_amplitude and measured_frequency"),
     ("drive_force", "static_force mean_force magnet_mean_force",
      "Write drive_force = amplitude of the alternating part of the force"),
     ("damping_ratio", "quality_factor q_factor", "Write damping_ratio = 1/(2 Q)"),
@@ -193,7 +193,7 @@ _RELATIONS: Final = (
     ("period_multiple", "period", "Ask for period_multiple: period times frequency"),
     *(
         (name, " ".join(name.replace("let_down", old) for old in ("resting", "second")),
-         f"Ask for {name} and {name.replace('let_down', 'thrown')}: the share lies between them")
+         f"Ask for {name} and {name.replace('let_down', 'thrown')}: the share is between them")
         for name in QUANTITIES if name.startswith("let_down_share_")
     ),
 )  # fmt: skip

@@ -1,17 +1,17 @@
 """The results of calibrations, sensitivities and optimisations without a solution, for a person."""
 
-import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibrafeed.app.cli.console import is_muted, say, table, tell
+from vibrafeed.app.cli.console import is_muted, progress, say, table, tell
 from vibrafeed.app.cli.units import DIGITS, format_number
 from vibrafeed.core import optimise
 from vibrafeed.core.dataset.table import percent_with_error
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
+from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
     from vibrafeed.core.dataset.table import Table
@@ -105,20 +105,22 @@ def format_value(name: str, value: float, units: "ShownUnits") -> str:
     return f"{format_number(shown.factor * value)}{gap}{shown.unit}"
 
 
-def nearest(result: "Table", units: "ShownUnits") -> list[str]:
+def nearest(result: "Table", units: "ShownUnits", deadline: float | None) -> list[str]:
     """Return lines on an optimisation without solution: the nearest designs, and possible changes.
 
     Each says by how much a limit is missed while all others are kept, or which change would let all
     be kept. The search takes a while; the result is empty if it is skipped by Ctrl-C, or not
-    needed. `result` is the table of the optimisation, `units` are those for printing.
+    needed. `result` is the table of the optimisation, `units` are those for printing, `deadline`
+    is the time of `time.monotonic` at which to stop [s].
     """
     if is_muted() or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
     tell("  Searching for the nearest designs; Ctrl-C skips the search ...")
-    started = time.perf_counter()
     try:
         study = parse_json(str(result.attributes["study"]))
-        reaches, others = optimise.nearest(study), optimise.ways(study)
+        with progress("nearest designs") as advance:
+            watch = Watch(advance, deadline=deadline).part(0.5)
+            reaches, others = optimise.nearest(study, watch), optimise.ways(study, watch)
     except KeyboardInterrupt:
         return []
     lines = []
@@ -135,8 +137,7 @@ def nearest(result: "Table", units: "ShownUnits") -> list[str]:
             f"With {way.change}: {way.output} {value} and all limits kept, at "
             f"{list_choice(way.choice, units)}."
         )
-    spent = time.perf_counter() - started
-    return [*lines, f"The search for the nearest designs took {spent:.1f} s."]
+    return lines
 
 
 def list_choice(choice: Mapping[str, float], units: "ShownUnits") -> str:

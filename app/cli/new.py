@@ -186,6 +186,8 @@ def _ask(question: Question) -> str:
     from vibrafeed.core.study.units import UnitError
 
     width = max(map(len, question.choices), default=0)
+    if question.sketch:
+        typer.echo(question.sketch)
     if question.choices:
         typer.echo(question.asks)
         for word, meaning in question.choices.items():

@@ -6,6 +6,12 @@ from types import MappingProxyType
 from typing import Final
 
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
+DRIVE_FROM_THE_SIDE = r"""
+           / drive, to and fro: half of its stroke is the amplitude
+         /
+       /  ) angle
+  ---/----------------> track, direction of transport
+"""
 
 
 @dataclass(frozen=True)
@@ -29,9 +35,11 @@ class Question:
     needs : mapping of str to str
         Earlier questions, and the words of which one must be their answer, spaces between.
     unless : str
-        A question whose answer stands in the place of this one.
+        A question whose answer replaces this one.
     values : int
         How many values from 0 to the answer the study takes; 1 for the answer alone.
+    sketch : str
+        A drawing in letters, printed above the question.
     """
 
     name: str
@@ -43,6 +51,7 @@ class Question:
     needs: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     unless: str = ""
     values: int = 1
+    sketch: str = ""
 
     def belongs(self, answers: Mapping[str, str]) -> bool:
         """True if the question applies, given the answers to earlier questions."""
@@ -177,11 +186,11 @@ QUESTIONS: Final = (
     Question(
         "angle", "Angle of the drive above the track", "20 deg", parameter="beta",
         says="Angle between the drive's direction and the track; 0 is along the track.",
-        needs={"question": "speed forces"},
+        needs={"question": "speed forces"}, sketch=DRIVE_FROM_THE_SIDE,
     ),
     Question(
         "moving_mass", "Mass of trough or bowl", "10 kg", parameter="moving_mass",
-        says="Mass of trough or bowl, with what is fixed to it.", needs=_OF_SPRINGS,
+        says="Mass of the trough or bowl, with everything fixed to it.", needs=_OF_SPRINGS,
     ),
     Question(
         "base_mass", "Mass of the base", "30 kg", parameter="base_mass",

@@ -17,7 +17,6 @@ from vibrafeed.app.cli.by_kind import (
     is_short,
     is_uncertain,
     list_choice,
-    nearest,
     show_design,
     show_findings,
 )
@@ -106,8 +105,6 @@ def show_result(
         tell(f"  {knee}")
     if fastest := _fastest(result, units):
         tell(f"  {fastest}")
-    for line in nearest(result, units):
-        tell(f"  {line}")
     _show_verified(result)
     left = facts["cells"] - facts["cells_computed"]
     if left:

@@ -13,7 +13,7 @@ import typer
 
 from vibrafeed import core
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.options import FAILED, NO_SOLUTION, CsvStyle, Json, Units
+from vibrafeed.app.cli.options import FAILED, INVALID_INPUT, NO_SOLUTION, CsvStyle, Json, Units
 from vibrafeed.app.cli.studies import Batch, prepare_all, refuse
 from vibrafeed.core.errors import Problem
 
@@ -79,6 +79,13 @@ def run(
             "exit with code 2.",
         ),
     ] = False,
+    keep_going: Annotated[
+        bool,
+        typer.Option(
+            "--keep-going",
+            help="Run the studies that are right although others are wrong; exit with code 2.",
+        ),
+    ] = False,
     verbose: Annotated[
         bool,
         typer.Option(
@@ -131,11 +138,13 @@ def run(
     began = time.perf_counter()
     units_asked(units)
     with console.muted(quiet or as_json or to_standard):
-        studies = prepare_all(files, cells=max_cells, bytes_=max_bytes, strict=strict)
+        studies = prepare_all(
+            files, cells=max_cells, bytes_=max_bytes, strict=strict, keep_going=keep_going
+        )
         context.call_on_close(lambda: _count_warnings(studies))
         if dry_run:
             _show_plans(studies, units, as_json)
-            return
+            raise typer.Exit(INVALID_INPUT if studies.refused else 0)
         running = Running(
             resume=resume,
             storage=Storage(compression=not plain, csv_style=csv_style),
@@ -160,6 +169,8 @@ def run(
                     console.document({"vibrafeed": core.__version__, "results": told})
     if not sound:
         raise typer.Exit(FAILED)
+    if studies.refused:
+        raise typer.Exit(INVALID_INPUT)
     if not running.solved:
         raise typer.Exit(NO_SOLUTION)
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.by_kind import is_infeasible
+from vibrafeed.app.cli.by_kind import is_infeasible, nearest
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.results import facts_of, more, show_result
 from vibrafeed.app.cli.studies import (
@@ -26,6 +26,7 @@ from vibrafeed.app.cli.studies import (
     refuse_beyond_memory,
 )
 from vibrafeed.app.cli.targets import REMOVE, is_complete, kept_apart, write_or_exit
+from vibrafeed.app.cli.units import units_asked
 from vibrafeed.core import kinds, lazy
 from vibrafeed.core.compiling import stopwatch
 from vibrafeed.core.dataset.files import Storage, partial
@@ -197,6 +198,10 @@ class Running:
         self.solved &= not is_infeasible(table)
         console.say(f"{path} -> {target}")
         show_result(facts, table, self.units, everything=self.checked is not None)
+        searching = time.perf_counter()
+        for line in nearest(table, units_asked(self.units), self.deadline):
+            console.tell(f"  {line}")
+            seconds["searching"] = time.perf_counter() - searching
         if facts["cells_computed"] < facts["cells"]:
             options = "--resume" if target.endswith(".nc") else "--resume --force"
             console.fail(f"  The same command with {options} computes the whole study again.")
@@ -205,8 +210,10 @@ class Running:
         done, cells = facts["cells_computed"], facts["cells"]
         of = f"{done:,} of {cells:,}" if done < cells else f"{cells:,}"
         noun = "cell" if cells == 1 else "cells"
+        searched = seconds.get("searching")
+        searched = f"nearest designs searched in {searched:.3f} s, " if searched else ""
         console.say(
-            f"  {of} {noun} evaluated in {seconds['computing']:.3f} s, "
+            f"  {of} {noun} evaluated in {seconds['computing']:.3f} s, {searched}"
             f"written in {seconds['writing']:.3f} s"
         )
         if seconds["compiling"]:

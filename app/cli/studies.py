@@ -35,11 +35,12 @@ STANDARD = Path("-")
 
 
 class Batch(dict[Path, "Prepared"]):
-    """Prepared studies by their files, and the warnings of each that has any."""
+    """Prepared studies by their files, the warnings of each that has any, and what was refused."""
 
     def __init__(self) -> None:
         super().__init__()
         self.warnings: dict[Path, list[str]] = {}
+        self.refused: dict[Path, Sequence[Problem]] = {}
 
     @property
     def count_of_warnings(self) -> str:
@@ -59,31 +60,33 @@ def prepare_all(
     cells: int | None = None,
     bytes_: int | None = None,
     strict: bool = False,
+    keep_going: bool = False,
 ) -> Batch:
     """Read and prepare the study of each file; print every error of every file and exit.
 
     `cells` and `bytes_` are the largest size that is accepted, if any. Unusual values are allowed,
-    and a line on the error stream warns of each; with `strict` they are refused.
+    and a line on the error stream warns of each; with `strict` they are refused. With `keep_going`
+    the studies that are right are returned, if there are any.
     """
     from vibrafeed.core import intake
 
     prepared = Batch()
-    invalid: dict[Path, Sequence[Problem]] = {}
     for path in files:
         try:
-            content = content_of(path)
-            prepared[path] = intake.prepare_content(content, files=True)
-            prepared[path].check_limits(cells=cells, bytes_=bytes_)
-            if prepared[path].questions:
-                prepared.warnings[path] = [*prepared[path].questions]
+            study = intake.prepare_content(content_of(path), files=True)
+            study.check_limits(cells=cells, bytes_=bytes_)
+            prepared[path] = study
+            if study.questions:
+                prepared.warnings[path] = [*study.questions]
         except StudyError as error:
-            invalid[path] = error.problems
+            prepared.refused[path] = error.problems
         except LimitError as error:
-            invalid[path] = [Problem("parameters", error.message, error.fix)]
+            prepared.refused[path] = [Problem("parameters", error.message, error.fix)]
     for path, lines in prepared.warnings.items():
         warn(name_of(path), lines)
-    if invalid:
-        refuse(invalid)
+    tell(prepared.refused)
+    if prepared.refused and not (keep_going and prepared):
+        raise typer.Exit(INVALID_INPUT)
     if strict and prepared.warnings:
         count = prepared.count_of_warnings
         typer.echo(f"error: {count}; --strict runs no study then", err=True)
@@ -134,12 +137,17 @@ def refuse(problems_of: Mapping[Path, Sequence[Problem]]) -> NoReturn:
 
     `problems_of` has the problems by file, or by the name of an option.
     """
+    tell(problems_of)
+    raise typer.Exit(INVALID_INPUT)
+
+
+def tell(problems_of: Mapping[Path, Sequence[Problem]]) -> None:
+    """Print all problems of all files on the error stream."""
     for path, problems in problems_of.items():
         count = len(problems)
         typer.echo(f"{name_of(path)}: error: {count} problem{'s' if count > 1 else ''}", err=True)
         for problem in problems:
             typer.echo(f"  {problem}", err=True)
-    raise typer.Exit(INVALID_INPUT)
 
 
 def refuse_clashes(targets: Mapping[Path, Path | str], taken: Collection[Path | str] = ()) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from itertools import groupby
 
 from PIL import Image
@@ -11,8 +11,9 @@ from PIL import Image
 from benchmarks.figures import plane, track
 from benchmarks.figures.judgement import Judgement
 from benchmarks.figures.measures import beyond_lift_off, share, wall_pulls
-from benchmarks.figures.studies import ROOT, data, is_surface, path_of, picture_of, study
+from benchmarks.figures.studies import ROOT, data, picture_of, study
 from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.report import markdown_table
 
 PAGE = ROOT / "docs" / "thesis.md"
 BEGIN = "<!-- Written by `python -m benchmarks.figures`: begin. -->"
@@ -55,49 +56,29 @@ FIGURES: dict[int, Callable[[], list[Judgement]]] = {
 
 
 def section() -> str:
-    """Return the generated section of the page."""
-    judged = {function: function() for function in dict.fromkeys(FIGURES.values())}
-    return "\n".join([*_overview(judged), *_figures(judged)])
+    """Return the generated section of the page: a row for each claim, with its figures."""
+    return "\n".join(markdown_table(("figures", "claim", "verdict", "numbers"), _claims()))
 
 
-def _overview(judged: Mapping[Callable[[], list[Judgement]], list[Judgement]]) -> Iterator[str]:
-    """Yield the lines of the overview table."""
-    yield "| figure | shows | scene, output | beyond lift-off | wall pulls | verdict |"
-    yield "| --- | --- | --- | --- | --- | --- |"
-    for number, function in FIGURES.items():
-        track = study(number).scene == "rectangle-on-track"
-        verdicts = "; ".join(dict.fromkeys(judgement.verdict for judgement in judged[function]))
-        yield (
-            f"| [5.{number}](figures/{picture_of(number).name}) | {_subject(number)} | "
-            f"`{study(number).scene}`, `{study(number).outputs[0]}` | "
-            f"{share(beyond_lift_off(number))} | {share(wall_pulls(number)) if track else ''} | "
-            f"{verdicts} |"
-        )
-
-
-def _figures(judged: Mapping[Callable[[], list[Judgement]], list[Judgement]]) -> Iterator[str]:
-    """Yield the lines of the section on each figure."""
+def _claims() -> Iterator[list[str]]:
+    """Yield the cells of each claim; the first one of a figure names it and links its picture."""
     for function, numbers in groupby(FIGURES, FIGURES.__getitem__):
         group = list(numbers)
-        names = " and ".join(f"5.{number}" for number in group)
-        yield f"\n### Figure{'s' * (len(group) > 1)} {names}\n"
-        subject = _subject(group[0]).removesuffix(" (surface)")
-        studies = " and ".join(f"`configs/figures/{path_of(number).name}`" for number in group)
-        yield f"{subject[0].upper()}{subject[1:]}; {studies}.\n"
-        yield "| claim | verdict | numbers |"
-        yield "| --- | --- | --- |"
-        for judgement in judged[function]:
-            cells = (text.replace("|", "\\|") for text in judgement)
-            yield f"| {' | '.join(cells)} |"
-        yield ""
-        for number in group:
-            if not is_surface(number):
-                yield f"![Figure 5.{number}: {_subject(number)}](figures/{picture_of(number).name})"
+        number = group[-1]
+        facts = f"{share(beyond_lift_off(number))} in flight"
+        if study(number).scene == "rectangle-on-track":
+            facts += f", {share(wall_pulls(number))} wall pulls"
+        names = ", ".join(f"5.{one}" for one in group)
+        figures = f"[{names}](figures/{picture_of(number).name}) {_subject(number)}: {facts}"
+        for judgement in function():
+            yield [figures, *judgement]
+            figures = ""
 
 
 def _subject(number: int) -> str:
     """Return the subject of a figure, from its study's title."""
-    return (study(number).title or "").partition(": ")[2]
+    title = (study(number).title or "").partition(": ")[2]
+    return title.removesuffix(" (contour lines)")
 
 
 def page(text: str) -> str:

@@ -23,6 +23,7 @@ KNOWN_SIZES, UNKNOWN_SIZES = 18, 28
 FINER = 24  # number of sizes, once it is known which are likely
 HARDLY = 1e-5  # of the largest probability of a size: less likely ones are left out
 REACH = 3.0  # standard deviations about the centre of a box within which all its values lie
+DEGREES_OF_FREEDOM = 4.0  # of robust errors: z = 10 counts as 4
 HOPELESS = 1e60  # a residual where a motion has no speed
 
 
@@ -105,11 +106,23 @@ class Likelihood:
         The sizes that the discrepancy may have.
     outlier_probability : float
         Probability that an observed behaviour is wrong.
+    is_robust : bool
+        True for errors with the tails of Student's t distribution.
     """
 
     model: Model
     scatter: Scatter
     outlier_probability: float
+    is_robust: bool = False
+
+    def penalty(self, square: Array) -> Array:
+        """Return -2 log of the density of squared residuals over their variances, less its top.
+
+        z^2 of a normal distribution, (n + 1) log(1 + z^2/n) of Student's t with n = 4 degrees of
+        freedom (Lange, Little and Taylor, JASA 84 (1989) 881).
+        """
+        n = DEGREES_OF_FREEDOM
+        return np.asarray((n + 1.0) * np.log1p(square / n)) if self.is_robust else square
 
     def log(
         self,
@@ -138,8 +151,9 @@ class Likelihood:
             whole = own + around
             # A wide box would explain too much by its variance alone: it explains a run no better
             # than a point would at which its value comes nearest to the measured one.
-            spent = square / whole + np.log(whole)
-            log[:, k] = -0.5 * np.maximum(spent, nearest / own + np.log(own)).sum(axis=1)
+            spent = self.penalty(square / whole) + np.log(whole)
+            least = self.penalty(nearest / own) + np.log(own)
+            log[:, k] = -0.5 * np.maximum(spent, least).sum(axis=1)
         seen = np.log(
             self.outlier_probability + (1.0 - 2.0 * self.outlier_probability) * shown
         ).sum(axis=1)

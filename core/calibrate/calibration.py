@@ -12,7 +12,6 @@ from vibrafeed.core.calibrate.boxes import Likelihood
 from vibrafeed.core.calibrate.model import Model
 from vibrafeed.core.calibrate.posterior import AXIS, MAX_MODES, Posterior
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.method import Method
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.labels import ResultVariable
@@ -40,9 +39,9 @@ def columns_of(grid: Grid) -> dict[str, Array]:
     all combinations of its axes, with the fixed parameters repeated. Values are in the units of
     studies.
     """
-    axes = [grid.coordinate(name) for name in grid.axes]
-    mesh = np.meshgrid(*axes, indexing="ij") if axes else []
-    found = {name: values.ravel() for name, values in zip(grid.axes, mesh, strict=True)}
+    positions = np.indices(tuple(grid.shape.values())).reshape(len(grid.axes), -1)
+    place = dict(zip(grid.axes, positions, strict=True))
+    found = {name: grid.values_of(name).array()[place[axis]] for name, axis in grid.along.items()}
     return found | {name: np.full(grid.cells, value) for name, value in grid.fixed.items()}
 
 
@@ -169,9 +168,10 @@ class Calibration(Prepared):
         return self.likelihood.model
 
     @property
-    def method(self) -> Method:
-        """The method that simulates the motions."""
-        return methods_of(self.plan.scene.name)[self.plan.variant]
+    def _seconds_a_cell(self) -> float | None:
+        methods = methods_of(self.plan.scene.name)
+        method = methods.get(self.plan.variant) if self.plan.scene.choice == "method" else None
+        return method.seconds_a_cell if method else None
 
     @property
     def cells(self) -> int:
@@ -239,7 +239,7 @@ class Calibration(Prepared):
         return ()
 
     def _new_price(self) -> Price:
-        motion = price(self.plan, self.grid, self.method.seconds_a_cell)
+        motion = price(self.plan, self.grid, self._seconds_a_cell)
         return Price(motion.start + MARGIN * FEW_SECONDS, motion.cell + MARGIN * POINT_SECONDS)
 
     @property
@@ -303,12 +303,12 @@ def _variables(prepared: Calibration) -> Iterator[ResultVariable]:
               "where it is largest on this grid.")  # fmt: skip
     if prepared.candidates:
         drive = tuple(CANDIDATE + name for name in prepared.candidates.axes)
-        yield made("information", drive, "bit", "Expected information", "What measuring the speed "
+        yield made("information", drive, "bit", "Expected information", "What a measurement "
                   "there adds.")  # fmt: skip
-        yield made("expected", drive, unit, "Expected speed", "Mean over the posterior.")
-        yield made("expected_deviation", drive, unit, "Deviation of the expected speed", "Over the "
+        yield made("expected", drive, unit, "Expected value", "Mean over the posterior.")
+        yield made("expected_deviation", drive, unit, "Deviation of the expected value", "Over the "
                   "posterior.")  # fmt: skip
         for unknown in model.unknowns:
             label = f"Standard deviation of the {lowered[unknown.name]} after the measurement"
             yield made(f"{LEFT}{unknown.name}", drive, unknown.unit, label, "Expected standard "
-                      "deviation after the speed there is measured.")  # fmt: skip
+                      "deviation after the measurement there.")  # fmt: skip

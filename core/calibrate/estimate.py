@@ -1,6 +1,7 @@
 """Carrying out a calibration: explore, sum up, polish."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import combinations
 from typing import Any, Final
 
@@ -8,10 +9,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from vibrafeed.core.calibrate.boxes import Likelihood, explore, log_sum
+from vibrafeed.core.calibrate.boxes import Likelihood, Scatter, explore, log_sum
 from vibrafeed.core.calibrate.calibration import (
     BANDS,
     CANDIDATE,
+    ENSEMBLE,
     LEFT,
     MODE,
     RUN,
@@ -19,7 +21,6 @@ from vibrafeed.core.calibrate.calibration import (
     information,
 )
 from vibrafeed.core.calibrate.findings import Findings
-from vibrafeed.core.calibrate.model import Model
 from vibrafeed.core.calibrate.posterior import (
     Posterior,
     axes_of,
@@ -29,15 +30,15 @@ from vibrafeed.core.calibrate.posterior import (
     pair,
     posterior_of,
 )
-from vibrafeed.core.calibrate.prepare import prepare
+from vibrafeed.core.calibrate.prepare import UNITS, choose, prepare
 from vibrafeed.core.dataset.table import Table, TableVariable, quantity_attributes
 from vibrafeed.core.mechanics.arrays import Array
-from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.differences import jacobian
 from vibrafeed.core.plan.labels import global_attributes
 from vibrafeed.core.plan.pieces import FOLLOWED, Computed, Kind
-from vibrafeed.core.study.calibrate_study import CalibrateStudy
+from vibrafeed.core.study.calibrate_study import FEWEST_POINTS, CalibrateStudy
+from vibrafeed.core.study.values import DESIGN
 from vibrafeed.core.watch import Watch
 
 # --- The last digits of the best values: least squares by scipy from the best point of a mode.
@@ -47,10 +48,11 @@ MAX_STEPS = 40  # evaluations of the residuals, beside those of their derivative
 FAR = 1e3  # residual over error where a motion has no speed
 
 
-def _polished(model: Model, start: Array, size: float, watch: Watch) -> Array:
+def _polished(likelihood: Likelihood, start: Array, size: float, watch: Watch) -> Array:
     # The best point near `start`, or `start`, by the sum of squares of the residuals of the
     # measured runs over their standard deviations, `size` that of the discrepancy, and of the
     # distances from the prior means. Points are values of the unknowns, in the units of studies.
+    model = likelihood.model
     where, quiet = model.runs.measured, Watch(stop=watch.stop, deadline=watch.deadline)
     if not where.any():
         return start
@@ -62,6 +64,7 @@ def _polished(model: Model, start: Array, size: float, watch: Watch) -> Array:
         variance = found.variance[:, where] + np.square(model.runs.error[where]) + np.square(size)
         variance = np.where(variance > 0, variance, 1.0)
         over = np.nan_to_num(residual / np.sqrt(variance), nan=FAR)
+        over = np.copysign(np.sqrt(likelihood.penalty(np.square(over))), over)
         before = [one.deviations_from_mean(points[:, k]) for k, one in enumerate(model.unknowns)]
         return np.concatenate([over, np.stack(before, axis=1)], axis=1)
 
@@ -114,8 +117,9 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
         for name, share in zip(prepared.model.names, left, strict=True):
             arrays[f"{LEFT}{name}"] = (share * arrays[f"deviation_{name}"]).reshape(shape)
     axis = dict(zip(prepared.model.names, axes, strict=True))
+    misfit = _misfit(prepared, arrays, replace(watch, progress=None))
     notes = {
-        "findings": Findings(prepared, posterior, arrays | axis).text(),
+        "findings": Findings(prepared, posterior, arrays | axis, misfit).text(),
         FOLLOWED: f"{explored.points * len(prepared.model.runs) + prepared.asked}",
     }
     return Computed({name: np.asarray(v) for name, v in (arrays | axis).items()}, notes)
@@ -143,6 +147,37 @@ def label(prepared: Calibration, computed: Computed, _: Watch) -> Table:
         FOLLOWED: float(computed.notes[FOLLOWED]),
     }
     return Table(_coordinates(prepared, arrays), variables, dataset_attributes)
+
+
+SUSPECT = 1.5
+"""Errors from what all runs give: a run that lies farther is compared with the other runs."""
+DISTANT = 3.5  # errors from what the other runs give: such a run does not fit
+FEWER = 4  # the other runs alone are explored with this fraction (1/4) of the points
+
+
+def _misfit(
+    prepared: Calibration, arrays: Mapping[str, Array], watch: Watch
+) -> tuple[int, float, Posterior] | None:
+    # The number of the run with the largest residual, its distance from the value that the other
+    # runs give, and the posterior without it; None if it fits.
+    model, likelihood = prepared.model, prepared.likelihood
+    over = np.abs(np.nan_to_num(arrays["residual_over_error"]))
+    run = int(over.argmax())
+    if over[run] < SUSPECT or model.runs.measured.sum() < len(model.unknowns) + 2:
+        return None
+    others = replace(model, runs=model.runs.without(run))
+    scatter = Scatter.of(others, wanted=prepared.study.discrepancy)
+    likelihood = replace(likelihood, model=others, scatter=scatter)
+    posterior = posterior_of(
+        likelihood, explore(likelihood, max(prepared.study.points // FEWER, FEWEST_POINTS), watch)
+    )
+    columns = {name: column[[run]] for name, column in model.runs.columns.items()}
+    found = others.predict(posterior.ensemble(ENSEMBLE), watch, columns)
+    value, spread = np.nanmean(found.value), np.nanvar(found.value) + found.variance.mean()
+    scatter = posterior.likelihood.scatter
+    spread += model.runs.error[run] ** 2 + posterior.sizes @ np.square(scatter.sizes)
+    away = float(np.abs(model.runs.value[run] - value) / np.sqrt(spread))
+    return (run + 1, away, posterior) if away > DISTANT else None
 
 
 def _summary_statistics(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
@@ -181,7 +216,7 @@ def _best(
     if model.runs.errors_known and posterior.sizes[0] > 0.5:
         size = 0.0
     modes = modes_of(posterior, axes)
-    polished = np.array([_polished(model, mode.best, size, watch) for mode in modes])
+    polished = np.array([_polished(posterior.likelihood, mode.best, size, watch) for mode in modes])
     likely = polished[np.argmax(_log_density(posterior.likelihood, polished))]
     arrays: dict[str, Array] = {"mode_share": np.array([mode.share for mode in modes])}
     arrays |= {f"mode_{name}": polished[:, k] for k, name in enumerate(model.names)}
@@ -258,6 +293,10 @@ def _coordinates(
             values = prepared.candidates.coordinate(name)
             key = CANDIDATE + name
             coordinates[key] = TableVariable((key,), values, quantity_attributes(name))
+        for name, values in prepared.candidates.paired.items():
+            coordinates[CANDIDATE + name] = TableVariable(
+                (CANDIDATE + DESIGN,), values.array(), quantity_attributes(name)
+            )
     known = {n: v for n, v in model.shared.items() if n not in {u.name for u in model.unknowns}}
     for name, value in known.items():
         coordinates[name] = TableVariable((), np.asarray(value), quantity_attributes(name))
@@ -267,10 +306,10 @@ def _coordinates(
 KIND: Final = Kind(
     name="calibrate",
     title="Find parameters from measured speeds",
-    description="Finds, from measured speeds or from what parts were seen to do, friction and "
-    "other unknown parameters, and which run would add most.",
+    description="Finds friction and other unknown parameters from measured speeds or observed "
+    "behaviour, and the run that would add most.",
     model=CalibrateStudy,
-    scenes=(SYSTEMS,),
+    scenes=(SYSTEMS, UNITS),
     example={
         "kind": "calibrate",
         "scene": "rectangle-on-plane",
@@ -283,7 +322,7 @@ KIND: Final = Kind(
         "points": 1_000,
     },
     prepare=prepare,
-    choose=lambda sketch: choose_system(sketch.scene, sketch.method, sketch.names),
+    choose=lambda sketch: choose(sketch.scene, sketch.method, sketch.names),
     compute=compute,
     label=label,
 )

@@ -59,11 +59,21 @@ class Findings:
         What came of it.
     arrays : mapping
         The variables of the result.
+    misfit : tuple, optional
+        Of the run that does not fit: its number, its distance from what the other runs give, in
+        errors, and the posterior without it.
     """
 
-    def __init__(self, prepared: Calibration, posterior: Posterior, arrays: dict[str, Array]):
+    def __init__(
+        self,
+        prepared: Calibration,
+        posterior: Posterior,
+        arrays: dict[str, Array],
+        misfit: tuple[int, float, Posterior] | None = None,
+    ):
         """Describe the posterior and the arrays of a calibration."""
         self.prepared, self.posterior, self.arrays = prepared, posterior, arrays
+        self.misfit = misfit
         self.model = prepared.model
         self.units = ShownUnits()
         self.output = QUANTITIES[self.model.runs.output]
@@ -77,6 +87,7 @@ class Findings:
             *self._alone(),
             *self._bounds(),
             *self._scatter(),
+            *self._misfit(),
             *self._far(),
             *self._next(),
         ]
@@ -199,18 +210,36 @@ class Findings:
             return
         likely = self._value("discrepancy_probability")
         if likely < 0.5:
-            yield f"Their errors explain the speeds; the residuals are {left} (rms)"
+            yield f"Their errors explain what was measured; the residuals are {left} (rms)"
         else:
             yield (
-                f"The speeds scatter by some {size} beyond their errors ({100 * likely:.0f} % "
-                "likely), which no unknown explains"
+                f"The measured values scatter by some {size} beyond their errors "
+                f"({100 * likely:.0f} % likely), which no unknown explains"
             )
+
+    def _misfit(self) -> Iterator[str]:
+        if self.misfit is None:
+            return
+        run, away, posterior = self.misfit
+        ends = posterior.quantiles(posterior.points, (0.5, 0.025, 0.975))
+        deviations = np.sqrt(np.diag(posterior.covariance()))
+        without = []
+        for k, one in enumerate(self.model.unknowns):
+            middle, low, high = (
+                format_rounded(float(end), deviations[k], one.unit, self.units)
+                for end in ends[:, k]
+            )
+            without.append(f"{one.name} is {middle} ({low} to {high} with 95 %)")
+        yield (
+            f"Run {run} does not fit: it is {away:.1f} errors from what the other runs give. "
+            f"Without it {', '.join(without)}"
+        )
 
     def _far(self) -> Iterator[str]:
         over = np.abs(np.nan_to_num(self.arrays["residual_over_error"]))
         far = [f"{k + 1} ({over[k]:.1f} errors)" for k in np.argsort(-over) if over[k] > FAR]
         if far:
-            yield f"Far from what the best values give: run {', '.join(far[:5])}"
+            yield f"Far from the best fit: run {', '.join(far[:5])}"
         seen = self.arrays.get("probability_of_seen")
         if seen is not None:
             odd = [f"{k + 1} ({self.model.runs.seen[k]})" for k in np.flatnonzero(seen < 0.1)]
@@ -227,7 +256,7 @@ class Findings:
         drive = ", ".join(
             f"{name} {in_unit(value, QUANTITIES[name].unit, self.units)}"
             for name, value in values.items()
-            if name in grid.axes or len(grid.axes) == 0
+            if name in grid.along or len(grid.axes) == 0
         )
         narrower = self._narrower(best)
         if gain[best] < LITTLE:

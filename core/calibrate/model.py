@@ -33,6 +33,8 @@ OUTPUTS = (
     "motion_status",
 )
 """Outputs of a motion that a calibration reads."""
+AMPLITUDE = "track_amplitude"
+"""The output of a drive unit that a calibration reads."""
 
 
 MAX_DEVIATIONS = 5.0
@@ -130,7 +132,7 @@ class Runs:
     columns : mapping of str to ndarray, shape (runs,)
         The parameters in which runs differ, in the units of studies.
     output : str
-        The measured output: conveying_velocity or feed_rate.
+        The measured output: conveying_velocity, feed_rate, or track_amplitude of a drive unit.
     value : ndarray, shape (runs,)
         Measured values, in the output's unit; NaN for a run without one.
     error : ndarray, shape (runs,)
@@ -153,6 +155,13 @@ class Runs:
     def measured(self) -> Mask:
         """A mask of the runs with a measured value, shape (runs,)."""
         return np.asarray(np.isfinite(self.value))
+
+    def without(self, run: int) -> "Runs":
+        """Return the other runs."""
+        columns = {name: np.delete(column, run) for name, column in self.columns.items()}
+        seen = self.seen[:run] + self.seen[run + 1 :]
+        value, error = np.delete(self.value, run), np.delete(self.error, run)
+        return Runs(columns, self.output, value, error, seen)
 
     @property
     def watched(self) -> Mask:
@@ -257,6 +266,10 @@ class Model:
         given = self._parameters(points, columns)
         with np.errstate(all="ignore"):
             known = run_equations(self.plan, {n: given[n] for n in self.plan.parameters}, watch)
+            shape = (len(points), count)
+            if self.runs.output == AMPLITUDE:  # closed forms of the unit, without any part
+                value, never = np.broadcast_to(known[AMPLITUDE], shape), np.zeros(shape, np.bool_)
+                return Predicted(value, np.zeros(shape), never, never)
             velocity, spread, error = (known[name] for name in OUTPUTS[:3])
             variance = np.square(spread) + np.square(error)
             scale: Array | float = 1.0
@@ -267,7 +280,6 @@ class Model:
                     occupancy=known["occupancy"],
                 )
             value, variance = velocity * scale, variance * np.square(scale)
-        shape = (len(points), count)
         return Predicted(
             *(
                 np.broadcast_to(field, shape)

@@ -1,23 +1,24 @@
 """From a study of calibration to what can be carried out: plan, unknowns, runs, likelihood."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from vibrafeed.core.calibrate.boxes import Likelihood, Scatter
 from vibrafeed.core.calibrate.calibration import ENSEMBLE, MAX_CANDIDATES, Calibration
-from vibrafeed.core.calibrate.model import OUTPUTS, Model, Runs, Unknown
+from vibrafeed.core.calibrate.model import AMPLITUDE, OUTPUTS, Model, Runs, Unknown
 from vibrafeed.core.errors import Problem, StudyError, raise_any
 from vibrafeed.core.mechanics.arrays import Array
+from vibrafeed.core.motion.drive_units import unit_of
 from vibrafeed.core.motion.plate import PLATE
 from vibrafeed.core.motion.prepare import choose_system, fix_for_unused_setting
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.plan.grid import Grid
-from vibrafeed.core.plan.plan import plan_scene
-from vibrafeed.core.plan.prepared import broken_constraints, locate_problem
+from vibrafeed.core.plan.plan import choose_scene, plan_scene
+from vibrafeed.core.plan.prepared import Chosen, broken_constraints, locate_problem
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.scenes import Scene
+from vibrafeed.core.scenes import SCENES, Scene
 from vibrafeed.core.scenes.scene import STATIC_ABOVE_KINETIC
 from vibrafeed.core.study.calibrate_study import (
     STEMS,
@@ -55,11 +56,11 @@ def prepare(study: CalibrateStudy) -> Calibration:
     # What is wrong with values above is no reason to blame the names of a plan.
     named = {**dict.fromkeys(shared), **dict.fromkeys(columns), **dict.fromkeys(spans)}
     try:
-        scene, method, found = choose_system(study.scene, study.method, named)
-        problems += found
-        problems += _of_scene(study, scene, method)
-        outputs = (*OUTPUTS, *(("feed_rate",) if output == "feed_rate" else ()))
-        plan = plan_scene(scene, method, outputs, tuple(named))
+        scene, method, found = choose(study.scene, study.method, named)
+        problems += [*found, *_of_scene(study, scene, method, output)]
+        outputs = (AMPLITUDE,) if output == AMPLITUDE or scene.name in UNITS else OUTPUTS
+        outputs += ("feed_rate",) if output == "feed_rate" else ()
+        plan = plan_scene(scene, method, outputs, tuple(named), {*shared, *columns})
     except StudyError as error_:
         raise StudyError(
             [*problems, *(locate_problem(one, study) for one in error_.problems)]
@@ -85,9 +86,30 @@ def prepare(study: CalibrateStudy) -> Calibration:
         # What a candidate does not say is as in the first run.
         first = {name: Fixed(float(column[0])) for name, column in columns.items()}
         candidates = Grid.of({**first, **asked})
-    likelihood = Likelihood(model, scatter, study.outlier_probability)
+    is_robust = study.likelihood == "student_t"
+    likelihood = Likelihood(model, scatter, study.outlier_probability, is_robust)
     questions = tuple(_minute_errors(runs))
     return Calibration(study, plan, grid, likelihood, candidates, questions=questions)
+
+
+UNITS = {name: SCENES[name] for name in ("linear-drive-unit", "bowl-drive-unit")}
+"""Scenes whose amplitudes can be measured."""
+
+
+def choose(name: str, method: str | None, parameters: Collection[str]) -> Chosen:
+    """Return the scene of a calibration, its method or variant, and problems with that name.
+
+    The parameters of a drive unit tell its variant, as in a study of motion on it.
+    """
+    if name not in UNITS:
+        return choose_system(name, method, parameters)
+    scene, variant, problems = choose_scene(name, None, UNITS)
+    unit, of_unit = unit_of(parameters)
+    raise_any(of_unit)
+    if method is not None:
+        problems.append(Problem("method", "a drive unit has closed forms alone", "Remove it"))
+    chosen = unit.variant if unit and unit.variant in scene.variants else variant
+    return scene, chosen, problems
 
 
 MINUTE = 1 / 30  # of the median error of the other runs: a run with less outweighs them all
@@ -119,7 +141,7 @@ def _misused(study: CalibrateStudy) -> Iterable[Problem]:
             yield Problem(
                 f"parameters.{name}",
                 "it has several values",
-                "Give one value that all runs share; what differs stands in the observations",
+                "Give one value that all runs share; put values that differ in the observations",
             )
 
 
@@ -167,7 +189,7 @@ def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]
             problems.append(
                 Problem(
                     f"parameters.{name}",
-                    f"{name} stands in the parameters and in the observations",
+                    f"{name} is in the parameters and in the observations",
                     "Give it once",
                 )
             )
@@ -191,7 +213,8 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
                 Problem(
                     f"observations row {k}",
                     f"the run in row {k} of the observations has no measured value",
-                    "Give conveying_velocity with its unit, feed_rate, or regime",
+                    "Give conveying_velocity with its unit, feed_rate, or regime; of a drive unit "
+                    "track_amplitude",
                 )
             )
     used = [name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)]
@@ -199,8 +222,8 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
         problems.append(
             Problem(
                 "observations",
-                "some runs give conveying_velocity, others feed_rate",
-                "Give the same one of the two in all runs of observations",
+                f"some runs give {used[0]}, others {used[1]}",
+                "Give the same one in all runs of observations",
             )
         )
     return (used or list(OBSERVED))[0], problems
@@ -254,7 +277,7 @@ def _open(
             yield Problem(
                 path,
                 f"there is no {unknown.parameter} among the parameters or observations",
-                "Give what it changes, or move it to [unknowns]",
+                "Give the parameter that it changes, or move it to [unknowns]",
             )
 
 
@@ -314,9 +337,17 @@ def _problems_of_candidates(
         )
 
 
-def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
+def _of_scene(study: CalibrateStudy, scene: Scene, method: str, output: str) -> Iterable[Problem]:
     conveying = [name for name in CONTACTS if name != PLATE]
-    if scene.name not in conveying:
+    if scene.name in UNITS:
+        for row, run in enumerate(study.observations, 1):
+            if run.regime is not None:
+                place = f"observations row {row}, regime"
+                yield Problem(place, "a drive unit has no part to be seen", "Remove it")
+        if output != AMPLITUDE:
+            message = f"a drive unit has no {output}"
+            yield Problem("observations", message, "Give track_amplitude, zero to peak")
+    elif scene.name not in conveying:
         yield Problem(
             "scene",
             f"the scene {scene.name} gives no conveying velocity to calibrate",

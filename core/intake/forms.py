@@ -106,7 +106,7 @@ def read_toml(text: str) -> object:
         found = re.search(r"at line (\d+)", str(error))
         number = int(found[1]) if found else 0
         _refuse_comma("file", text, number)
-        fix = f'{SYNTAX}: texts, such as "20 deg", stand in quotes'
+        fix = f'{SYNTAX}: put texts, such as "20 deg", in quotes'
         if number and re.search(r'"[^"]*\\', text.split("\n")[number - 1]):
             fix = "In a path write / for \\, or set the path in '...'"
         _fail("file", f"it is not TOML: {error}", fix, error)

@@ -247,12 +247,25 @@ def _faults(solid: "Trimesh", name: str, path: str) -> Iterable[Problem]:
         )
     if not solid.is_winding_consistent:
         yield Problem(path, f"some triangles of {name} face outwards, others inwards", repair)
-    if solid.body_count > 1:
-        yield Problem(path, f"{name} has {solid.body_count:,} bodies", "Export a single part")
+    bodies = _bodies(solid)
+    if bodies > 1:
+        yield Problem(path, f"{name} has {bodies:,} bodies", "Export a single part")
     if solid.is_watertight and abs(solid.volume) < FLAT * solid.scale**3:
         yield Problem(path, f"{name} encloses no volume", EXPORT)
     elif solid.is_watertight and solid.volume < 0:
         yield Problem(path, f"{name} is inside out: its triangles face inwards", repair)
+
+
+def _bodies(solid: "Trimesh") -> int:
+    from trimesh.graph import connected_component_labels  # as above
+
+    labels = connected_component_labels(solid.face_adjacency, node_count=len(solid.faces))
+    a, b, c = np.moveaxis(solid.triangles - solid.bounds[0], 1, 0)
+    volumes = np.bincount(labels, np.einsum("ij,ij->i", a, np.cross(b, c)))
+    outer = solid.triangles[labels == volumes.argmax()]
+    spans = np.array_equal([outer.min((0, 1)), outer.max((0, 1))], solid.bounds)
+    # A body inside the outer one whose triangles face inwards is a void.
+    return 1 if spans and (volumes > 0).sum() == 1 else len(volumes)
 
 
 def _absent(stranger: Stranger) -> Problem:

@@ -301,6 +301,7 @@ def _shown(value: object) -> str:
 MAX_ROWS_SENT = 20_000  # rows of a recording from the network; fitting so many takes a second
 # Digits of kept numbers: more than a fit determines, and few enough to be equal on all processors.
 DIGITS = 10
+ONLY_ONCE = 'Set kind = "simulate", or leave once out'
 ASKED_FROM = 5.0  # degrees between the climb of a recording and that of its study
 
 
@@ -314,7 +315,9 @@ def _with_drive(content: Content, files: bool) -> Resolved:
     if not names_recording(content):
         return Resolved(content)
     try:
-        record, fit = _measured_drive(content["drive"], _slopes(content), files=files)
+        record, fit = _measured_drive(
+            content["drive"], _slopes(content), files=files, kind=str(content.get("kind"))
+        )
     except StudyError as error:
         return Resolved(
             {name: value for name, value in content.items() if name != "drive"}, error.problems
@@ -387,8 +390,8 @@ def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
 
 
 def _measured_drive(
-    drive: Mapping[str, Any], slopes: Mapping[str, tuple[float, float]], files: bool
-) -> "tuple[MeasuredDrive, measured.Fit]":
+    drive: Mapping[str, Any], slopes: Mapping[str, tuple[float, float]], files: bool, kind: str
+) -> "tuple[MeasuredDrive, measured.Fit | None]":
     try:
         fields = RecordedDrive.model_validate(drive)
     except ValidationError as error:
@@ -398,11 +401,16 @@ def _measured_drive(
     csv = "the text of the recording's CSV"
     source = source_of("drive", fields.file, fields.data, "recording", csv, files=files)
     path = "drive.file" if isinstance(source, Path) else "drive.data"
-    asked = fields.model_dump(exclude_none=True, exclude={"file", "data"})
+    asked = fields.model_dump(exclude_none=True, exclude={"file", "data", "once"})
+    recording, fit = measured.Recording(**asked, slopes=slopes), None
     try:
-        fit = measured.fit_drive(
-            _table(source, path, files), measured.Recording(**asked, slopes=slopes)
-        )
+        if fields.once and kind != "simulate":
+            raise refused("once", f"a study of kind '{kind}' needs a drive that repeats", ONLY_ONCE)
+        table = _table(source, path, files)
+        if fields.once:
+            signal, constant = measured.read_once(table, recording)
+        else:
+            fit = measured.fit_drive(table, recording)
         raw = (
             source.read_bytes()
             if isinstance(source, Path)
@@ -412,14 +420,27 @@ def _measured_drive(
         raise StudyError(_placed(problem, path) for problem in error.problems) from None
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         raise unreadable(path, error, source, "a CSV file") from None
-    left_over: dict[Any, float] = dict(zip(fit.axes, map(_rounded, fit.left_over), strict=True))
-    return MeasuredDrive(
-        name=source.name if isinstance(source, Path) else "data",
-        sha256=hashlib.sha256(raw).hexdigest(),
-        left_over=left_over,
-        clock_error=None if fit.clock is None else _rounded(fit.clock.error),
-        numbers={name: _rounded(value) for name, value in fit.parameters().items()},
-    ), fit
+    origin = {
+        "name": source.name if isinstance(source, Path) else "data",
+        "sha256": hashlib.sha256(raw).hexdigest(),
+    }
+    if fit is None:
+        numbers = {"frequency": 1.0 / signal.times[-1], "burst_periods": 1.0}
+        samples = {"time": signal.times, **dict(zip(signal.axes, signal.values, strict=True))}
+        kept: dict[str, Any] = {
+            "left_over": {},
+            "samples": {name: [*map(_rounded, one.tolist())] for name, one in samples.items()},
+            "derivative": signal.derivative,
+            "constant": {axis: _rounded(mean) for axis, mean in constant.items()},
+        }
+    else:
+        numbers = fit.parameters()
+        kept = {
+            "left_over": dict(zip(fit.axes, map(_rounded, fit.left_over), strict=True)),
+            "clock_error": None if fit.clock is None else _rounded(fit.clock.error),
+        }
+    rounded = {name: _rounded(value) for name, value in numbers.items()}
+    return MeasuredDrive.model_validate({**origin, **kept, "numbers": rounded}), fit
 
 
 def unreadable(path: str, error: Exception, source: str | Path, kind: str) -> StudyError:

@@ -135,14 +135,15 @@ def paired(content: Any) -> tuple[Any, list[Problem]]:
     """Return the content of a study with designs as values of its parameters, and problems.
 
     A study lists designs as rows, or names lists of its parameters that are pairs, triples, ...;
-    a file is left as it is.
+    a file is left as it is. Designs of a calibration are candidates for the next run.
     """
     designs = content.get("designs") if isinstance(content, Mapping) else None
     rows: Any = designs.get("rows") if isinstance(designs, Mapping) else designs
     names = designs.get("zip") if isinstance(designs, Mapping) else None
     if not isinstance(rows, list | tuple) and not isinstance(names, list | tuple):
         return content, []
-    parameters = content.get("parameters", {})
+    section = "candidates" if content.get("kind") == "calibrate" else "parameters"
+    parameters = content.get(section, {})
     parameters = parameters if isinstance(parameters, Mapping) else {}
     problems = []
     if isinstance(names, list | tuple):
@@ -163,9 +164,7 @@ def paired(content: Any) -> tuple[Any, list[Problem]]:
             if None in values
         ]
         problems += [
-            Problem(
-                f"parameters.{name}", "it is given twice", "Remove it here, or from the designs"
-            )
+            Problem(f"{section}.{name}", "it is given twice", "Remove it here, or from the designs")
             for name in columns
             if name in parameters
         ]
@@ -175,7 +174,7 @@ def paired(content: Any) -> tuple[Any, list[Problem]]:
     if problems:
         return kept, problems
     pairs = {name: {DESIGN: values} for name, values in columns.items()}
-    return {**kept, "parameters": {**parameters, **pairs}}, []
+    return {**kept, section: {**parameters, **pairs}}, []
 
 
 def _with_designs(content: Content, files: bool) -> Resolved:

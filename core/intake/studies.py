@@ -140,9 +140,8 @@ class Draft:
             prepared = KINDS[study.kind].prepare(study)
         except StudyError as error:
             raise self._error(error.problems) from None
-        return replace(
-            prepared, questions=(*self.questions, *map(self._in_words, prepared.questions))
-        )
+        more = (*prepared.questions, *prepared.unused)
+        return replace(prepared, questions=(*self.questions, *map(self._in_words, more)))
 
     def _error(self, problems: Iterable[Problem]) -> StudyError:
         said = self._in_words
@@ -192,7 +191,9 @@ class Draft:
         return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
-        kind = self.kind
+        kind, drive = self.kind, self.content.get("drive")
+        if isinstance(drive, Mapping) and "samples" in drive:
+            return []  # a recording that is followed once is no matter of names
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
             return []
         sections = {key: section for key, section in SECTIONS.items() if key in _keys_of(kind)}

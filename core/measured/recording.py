@@ -16,6 +16,7 @@ from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.measured.times import LEAST_SAMPLES, Times, read_times
 from vibrafeed.core.quantities import QUANTITIES, Quantity
 from vibrafeed.core.quantities.quantity import angle
+from vibrafeed.core.study.grid_study import MAX_SAMPLES_ONCE
 from vibrafeed.core.study.units import UnitError, problem, read_number, unit_factor
 from vibrafeed.core.tables.files import FULL_SCALE
 from vibrafeed.core.tables.headings import stem_and_unit
@@ -339,6 +340,39 @@ def read_signal(source: str | Path | InputTable, recording: Recording) -> Signal
     )
 
 
+def read_once(table: InputTable, recording: Recording) -> tuple[Signal, dict[str, float]]:
+    """Return the signal of a drive that is followed as it was recorded, and what it is without.
+
+    It has accelerations, or velocities, of a track that is at rest at both ends: without the mean
+    acceleration, which is gravity, if the sensor shows it, and what is left over at the end. That
+    is the second, by axis [m s-2]. Raises `StudyError` with all problems.
+    """
+    signal = read_signal(table, recording)
+    problems = [
+        Problem(key, "it belongs to a fit, and the recording is followed once", "Leave it out")
+        for key in ("line_frequency", "frequency", "harmonics")
+        if getattr(recording, key) is not None
+    ]
+    if signal.derivative == 0:
+        message = "the recording has displacements, whose accelerations are noise"
+        problems.append(Problem("once", message, "Give velocities or accelerations"))
+    if signal.times.size > MAX_SAMPLES_ONCE:
+        message = f"the recording has {signal.times.size:,} samples to follow once"
+        problems.append(Problem("once", message, f"Give at most {MAX_SAMPLES_ONCE:,}"))
+    problems += [Problem("time", gaps, "Record again without them") for gaps in signal.notes]
+    raise_any(problems)
+    times, values = signal.times - signal.times[0], signal.values
+    if signal.derivative == 2:
+        gained = np.array([np.trapezoid(one, times) for one in values])
+        mean = gained[:, np.newaxis] / times[-1]
+        moved = values - mean
+    else:
+        mean = (values[:, -1:] - values[:, :1]) / times[-1]
+        moved = values - values[:, :1] - mean * times
+    left = dict(zip(signal.axes, mean[:, 0].tolist(), strict=True))
+    return signal._replace(times=times, values=moved), left
+
+
 def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
     own = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
     sensor = recording.sensor
@@ -466,6 +500,6 @@ def _by_sensitivity(text: str, unit: str, factor: float) -> tuple[float, int]:
     raise refused(
         "sensitivity",
         f"'{text[:40]}' is not a sensitivity for channels in {unit or 'counts'}",
-        'Write what the sensor gives for its quantity, such as "100 mV/g" or "16384 counts/g", and '
-        "the unit of the channels: V, mV or counts",
+        'Write the output of the sensor for its quantity, such as "100 mV/g" or "16384 counts/g", '
+        "and the unit of the channels: V, mV or counts",
     )

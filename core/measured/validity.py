@@ -245,7 +245,7 @@ def _off(line: float | None, frequency: float) -> list[Problem]:
         Problem(
             "line_frequency",
             f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz",
-            "Give as line_frequency what the drive runs at, such as 100 Hz on mains of 50 Hz"
+            "Give the frequency of the drive as line_frequency, such as 100 Hz on mains of 50 Hz"
             if abs(ratio - round(ratio)) < TWICE
             else f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct the "
             f"sampling rate (rate) "
@@ -356,7 +356,7 @@ def _against_gravity(
             "normal",
             "the channel points downwards, and the fitted drive would throw parts downwards",
             "Turn its sign: a minus sign in front of the column's name, or none if it has one; or "
-            "give the mounting of a sensor that hangs upside down",
+            "give the mounting of a sensor that is upside down",
         )
     for axis in recorded:
         angle = float(np.arctan2(shown[axis], normal))

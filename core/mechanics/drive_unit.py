@@ -95,6 +95,20 @@ def magnet_force(*, flux_density: Array, pole_area: Array) -> Array:
     return flux_density * flux_density * pole_area / (4 * VACUUM_PERMEABILITY)
 
 
+def voltage_force(
+    *, drive_voltage: Array, measured_voltage: Array, force_exponent: Array,
+    measured_amplitude: Array, measured_response: Array,
+) -> Array:  # fmt: skip
+    """Return the force at a voltage from one measured amplitude, F = A_m/G_m (U/U_m)^n [N].
+
+    A_m is the amplitude of the empty track at the voltage U_m, G_m (`measured_response`) that which
+    1 N gives at the frequency of the measurement [m N-1]. n is 2 of a magnet whose flux is
+    proportional to its voltage.
+    """
+    growth = np.exp(force_exponent * np.log(drive_voltage / measured_voltage))
+    return measured_amplitude / measured_response * growth
+
+
 def reduced_mass(*, moving_mass: Array, base_mass: Array) -> Array:
     """Return the reduced mass of the empty unit, m_r = m1 m2/(m1 + m2) [kg]."""
     return moving_mass * (base_mass / (moving_mass + base_mass))
@@ -238,6 +252,29 @@ def bowl_response(
     size = hypot(real, imag)
     share = drive_force / size
     return share * (real / size), -share * (imag / size), turn, lift
+
+
+def bowl_measured(
+    *, measured_frequency: Array, measured_radius: Array, spring_stiffness: Array, damping: Array,
+    moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
+    spring_radius: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the amplitude of the empty bowl at a radius by a force of 1 N [m N-1]."""
+    none = 0.0 * measured_frequency
+    response = bowl_response(
+        drive_force=1.0 + none, circular_frequency=2 * np.pi * measured_frequency,
+        spring_stiffness=spring_stiffness, damping=damping, loaded_mass=moving_mass,
+        base_mass=base_mass, loaded_inertia=moving_inertia, base_inertia=base_inertia,
+        load_damping=none, load_radius=measured_radius, spring_radius=spring_radius,
+        spring_angle=spring_angle,
+    )  # fmt: skip
+    size = stroke(stroke_response=response)
+    turn = bowl_turn(
+        stroke=size, stroke_response=response, spring_angle=spring_angle,
+        spring_radius=spring_radius,
+    )  # fmt: skip
+    lift = bowl_lift(stroke=size, stroke_response=response, spring_angle=spring_angle)
+    return bowl_amplitude(radius=measured_radius, bowl_turn=turn, bowl_lift=lift)
 
 
 def bowl_harmonic(

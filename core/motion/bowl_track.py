@@ -395,7 +395,7 @@ RESULTS = (
         transit_time=("time", "the time of a part from start to exit; infinite if it stops [s]"),
         transit_time_error=(
             "time_error",
-            "what speeds between the places that are followed may add to the transit time [s]",
+            "error of the transit time from speeds between the places that are followed [s]",
         ),
         bottleneck_velocity=("slowest", "the least mean velocity along the track [m s-1]"),
         bottleneck_velocity_error=(

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from vibrafeed.core.errors import Problem
-from vibrafeed.core.mechanics.arrays import Array, cosine, ratio, sine
+from vibrafeed.core.mechanics.arrays import Array, cosine, hypot, ratio, sine
 from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.method import STATUS, Contacts, Groups, Motion, in_plane
 from vibrafeed.core.quantities.drives import AXES, DRIVE, WHERE
@@ -96,6 +96,40 @@ class Harmonics:
                 harmonics[AXES.index(along), 0, k - 1] += moved * cosine(phase)
                 harmonics[AXES.index(along), 1, k - 1] += moved * sine(phase)
         return waves.Wave(harmonics, np.zeros((4, 0, *shape)))
+
+
+ELLIPSE = ("ellipse_major", "ellipse_minor", "ellipse_tilt")
+"""Parameters of an elliptical drive."""
+
+
+class Ellipse(Harmonics):
+    """An ellipse in the plane of along and normal, by its semi-axes and the tilt of the longer.
+
+    With the semi-axes a and b and the tilt theta the displacement is a sin(w t) along the line of
+    theta, and -b cos(w t) across it, upwards.
+    """
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the quantities from which the wave is computed, parameters of a study."""
+        return ("frequency", "gravity", "drive_factor", *ELLIPSE)
+
+    @property
+    def defaults(self) -> dict[str, float]:
+        """Default values of quantities that a study may omit, SI units."""
+        return {"drive_factor": 1.0}
+
+    def wave(self, **inputs: Array) -> waves.Wave:
+        """Return the drive, as of harmonics of order 1."""
+        a, b, theta = (np.asarray(inputs.pop(name), dtype=float) for name in ELLIPSE)
+        ways = {
+            "along": (a * cosine(theta), b * sine(theta)),
+            "normal": (a * sine(theta), -b * cosine(theta)),
+        }
+        for axis, (of_sine, of_cosine) in ways.items():
+            inputs[f"amplitude_{axis}_1"] = hypot(of_sine, of_cosine)
+            inputs[f"phase_{axis}_1"] = np.arctan2(of_cosine, of_sine)
+        return super().wave(**inputs)
 
 
 @dataclass(frozen=True)
@@ -259,13 +293,16 @@ def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
     terms = {(m[1], int(m[2])) for m in filter(None, map(_HARMONIC.fullmatch, names))}
     steps = list(filter(None, map(_STEP.fullmatch, names)))
     sines = [name for name in SINE if name in names]
-    if terms and steps:
-        return None, [
-            _mixed(steps[0][0], "a drive in steps", "harmonics", "Give one kind of drive")
-        ]
-    if sines and (terms or steps):
+    ellipse = [name for name in ELLIPSE if name in names]
+    if (terms and steps) or (ellipse and (terms or steps)):
+        mixed = (ellipse[0], "an ellipse") if ellipse else (steps[0][0], "a drive in steps")
         other = "harmonics" if terms else "steps"
+        return None, [_mixed(*mixed, other, "Give one kind of drive")]
+    if sines and (terms or steps or ellipse):
+        other = "harmonics" if terms else "steps" if steps else "an ellipse"
         return None, [_mixed(name, "the plain sine", other, _NO_SINE[other]) for name in sines]
+    if ellipse:
+        return Ellipse((("along", 1), ("normal", 1))), []
     if terms:
         return Harmonics(tuple(sorted(terms, key=_by_axis))), []
     return _steps_of(steps) if steps else (None, [])
@@ -291,6 +328,7 @@ _NO_SINE = {
         "amplitude sin(beta), which is the vertical amplitude, both from zero to peak"
     ),
     "steps": "Remove it, or the steps",
+    "an ellipse": "Remove it, or the ellipse",
 }
 """What to do where a study gives the plain sine beside another drive."""
 

@@ -85,7 +85,7 @@ class Energy(NamedTuple):
     Attributes
     ----------
     friction : ndarray
-        What friction takes while contacts slip.
+        Energy that friction dissipates while contacts slip.
     impact : ndarray
         What impacts take, the friction in them included.
     drive : ndarray

@@ -11,6 +11,7 @@ from vibrafeed.core.motion.drive_units import on_unit, unit_of
 from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
 from vibrafeed.core.motion.method import Contacts, Method
 from vibrafeed.core.motion.plate import PLATE
+from vibrafeed.core.motion.record import RESULTS, SCALES, Record
 from vibrafeed.core.motion.systems import (
     CONTACTS,
     FALLING,
@@ -29,7 +30,6 @@ from vibrafeed.core.scenes import Scene
 from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, SimulateStudy
 from vibrafeed.core.study.values import Fixed
 
-SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
 
 
@@ -144,14 +144,16 @@ def prepare(study: SimulateStudy) -> Simulation:
 
     Raises `StudyError` with every problem of scene, method, outputs, settings and parameters.
     """
-    chosen = choose_system(study.scene, study.method, study.values())
-    scene, method, _ = chosen
+    scene, method, wrong = choose_system(study.scene, study.method, study.values())
     if study.drive is not None and scene.name not in CONTACTS:
         raise refused(
             "drive",
             f"{scene.name} takes only a sine drive, not a section drive",
             f"Choose among {', '.join(CONTACTS)}",
         )
+    if (record := record_of(study)) is not None:
+        raise_any(_problems_of_record(study, scene, method))
+        scene = record.drives(scene, method)
     settings = study.settings()
     never_left_out = ("motion_status", "mean_acceleration") if study.reduce is None else ()
     more = [name for name in never_left_out if name in scene.outputs(method)]
@@ -164,7 +166,7 @@ def prepare(study: SimulateStudy) -> Simulation:
         *_problems_of_reduction(study),
     ]
     try:
-        plan, grid = plan_study(study, asked, chosen)
+        plan, grid = plan_study(study, asked, (scene, method, wrong))
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     shape, _ = shape_of(study.values())
@@ -183,6 +185,22 @@ def prepare(study: SimulateStudy) -> Simulation:
             "sensitivities", message, f"Leave it out, or choose among {', '.join(cyclic)}"
         )
     return prepared.check_verification()
+
+
+def record_of(study: SimulateStudy) -> Record | None:
+    """Return the drive of a study whose recording is followed as it is; None of any other."""
+    drive = study.drive
+    return Record.of(drive.samples, drive.derivative or 2) if drive and drive.samples else None
+
+
+def _problems_of_record(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
+    if "burst" not in scene.producers(method):
+        message = f"{scene.name} is not followed from rest to rest"
+        followed = [name for name, one in SYSTEMS.items() if "burst" in one.producers("events")]
+        yield Problem("drive.once", message, f"Choose among {', '.join(followed)}")
+    elif others := [name for name in study.outputs if name not in RESULTS]:
+        message = f"a recording that is followed once gives no {others[0]}"
+        yield Problem("outputs", message, f"Request {' or '.join(RESULTS)}")
 
 
 def fix_for_unused_setting(scene: Scene, setting: str) -> str:

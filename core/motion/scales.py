@@ -196,8 +196,8 @@ WHOLE_PERIODS = Constraint(
 ENERGY_SOURCE = "theory 13.15"
 
 WORKS = {
-    "friction": "what friction takes while contacts slip",
-    "impact": "what impacts take, with the friction in them",
+    "friction": "energy that friction dissipates while contacts slip",
+    "impact": "energy that impacts dissipate, with the friction in them",
     "drive": "the work of the track",
 }
 """Fields of `Energy`, and what they are."""

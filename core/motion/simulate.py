@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -19,7 +20,14 @@ from vibrafeed.core.lazy.reduced import Reduced
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.feeding import RESOLVED
 from vibrafeed.core.motion.method import ANSWERED, STATUS, TIME, Contacts, TrajectoryRequest
-from vibrafeed.core.motion.prepare import ERROR, Simulation, choose_system, other_method, prepare
+from vibrafeed.core.motion.prepare import (
+    ERROR,
+    Simulation,
+    choose_system,
+    other_method,
+    prepare,
+    record_of,
+)
 from vibrafeed.core.motion.reference.burst import burst_trajectory
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from vibrafeed.core.plan.differences import cells_of, derivatives
@@ -339,10 +347,12 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
     samples, follow = prepared.study.trajectory, prepared.method.course
     if samples is not None:
         assert follow is not None  # the study would have been refused
-        motion = next(e for e in plan.equations if e.takes_long and e.gives != "burst")
-        arguments = {name: known[name] for name in motion.inputs}
+        long = {e.gives: e for e in plan.equations if e.takes_long}
+        followed = long.get("burst") or next(iter(long.values()))
+        arguments = {name: known[name] for name in followed.inputs}
         contacts = CONTACTS.get(plan.scene.name, Contacts())
-        follow = burst_trajectory if "burst" in known else follow
+        if "burst" in long:
+            follow = partial(burst_trajectory, record=record_of(prepared.study))
         arrays |= follow(TrajectoryRequest(samples, arguments, known, watch), contacts)
     return Computed(arrays)
 

@@ -346,7 +346,7 @@ RESULTS = (
         final_pitch=("pitch", "the pitch at the end, with all its turns [rad]"),
         resting_side=(
             "resting_side",
-            "the side that lies on the plane at the end, 0 if none does [1]",
+            "the side on the plane at the end, 0 if none [1]",
         ),
     ),
     *fields(
@@ -354,7 +354,7 @@ RESULTS = (
         "theory 13.5",
         settling_time=(
             "settling_time",
-            "the time from which the part lies at rest for good; NaN where it does not [s]",
+            "the time after which the part stays at rest; NaN where it does not rest [s]",
         ),
     ),
     *fields(

@@ -19,7 +19,7 @@ from vibrafeed.core.motion import waves
 from vibrafeed.core.motion.method import STATUS, Groups, Motion, cells_of, each, groups_of
 
 INTERVALS = 4096
-"""Of a period, over which the means are taken."""
+"""Of a period, over which the means are taken, and again over half as many."""
 ROUNDS = 3
 """Times that the change of the velocity within a period is computed; each gains its size."""
 BALANCED = 1e-9
@@ -73,9 +73,12 @@ def limit_of(part: Groups) -> Limit | None:
     """
     if not np.isfinite(sum(part.numbers)) or part.friction_kinetic <= 0.0:
         return None
-    cell = _Averaged.of(part)
+    cell, coarse = _Averaged.of(part, INTERVALS), _Averaged.of(part, INTERVALS // 2)
     if cell.pull.min() <= 0.0:
         return None
+    # Means have errors of the second order in the length of the intervals.
+    first, half = cell.balance(np.zeros(1)), coarse.balance(np.zeros(1))
+    refined = (first - half) / 3.0
     velocity, before = np.zeros(2), np.zeros(2)
     moved = np.zeros((2, cell.pull.size))
     for _ in range(ROUNDS):
@@ -84,11 +87,11 @@ def limit_of(part: Groups) -> Limit | None:
         moved = waves.TURN * (np.cumsum(force, axis=1) - 0.5 * force)
         moved -= (moved * cell.share).sum(axis=1, keepdims=True)
     swing = float(np.hypot(*np.ptp(moved, axis=1)))
-    if not swing <= WEAK * cell.size:
+    if not (swing <= WEAK * cell.size and np.isfinite(refined).all()):
         return None
-    error = float(np.abs(velocity - before).max()) + swing**2 / cell.size
+    error = float(np.abs(velocity - before).max() + np.abs(refined).max()) + swing**2 / cell.size
     relative = cell.track[0, 1:] - velocity[0] - moved[0]
-    along, across = map(float, velocity)
+    along, across = map(float, velocity + refined)
     return Limit(along, across, error, float(cell.share[relative < 0.0].sum()))
 
 
@@ -102,13 +105,13 @@ class _Averaged(NamedTuple):
     size: float
 
     @classmethod
-    def of(cls, part: Groups) -> "_Averaged":
+    def of(cls, part: Groups, intervals: int) -> "_Averaged":
         wave = part.wave
         if wave is None:
             harmonics = np.zeros((3, 2, 1))
             harmonics[:, 0, 0] = part.drive
             wave = waves.Wave(harmonics, np.zeros((4, 0)))
-        ends = np.union1d(np.linspace(0.0, waves.TURN, INTERVALS + 1), wave.steps[waves.ENDS])
+        ends = np.union1d(np.linspace(0.0, waves.TURN, intervals + 1), wave.steps[waves.ENDS])
         share = np.diff(ends) / waves.TURN
         push = waves.push(wave, waves.NORMAL, 0.5 * (ends[1:] + ends[:-1]))
         return cls(

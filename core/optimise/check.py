@@ -341,8 +341,8 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
         attributes[verdict.name] = regime_attributes(tuple(names), judged)
     gaps = arrays["optimum_gap"][np.isfinite(arrays["optimum_gap"])]
     accuracy = [
-        "optimum_gap: what another method finds better, over the largest size of the objective; "
-        "below 0 where it finds less",
+        "optimum_gap: the advantage of another method's optimum over the largest size of the "
+        "objective; below 0 where that optimum is worse",
         *([f"the largest here is {gaps.max():.2g}"] if gaps.size else []),
     ]
     if problem.uncertain is not None:

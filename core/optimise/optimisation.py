@@ -21,11 +21,11 @@ from vibrafeed.core.plan.statistics import INTERVAL
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, Flag
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
-from vibrafeed.core.study.optimise_study import Limited, OptimiseStudy, Pareto, Weighted
+from vibrafeed.core.study.optimise_study import Limited, OptimiseStudy, Pareto, Target, Weighted
 from vibrafeed.core.study.values import Between
 
 SECONDS = {"exact": 2e-5, "search": 0.01, "scipy": 0.2}
-"""Roughly what a design takes by each method."""
+"""Approximate time of a design by each method."""
 MOTION_SECONDS = 0.2  # roughly, of a design of motions, besides what following them takes
 RIVAL_SECONDS = 0.02  # roughly, of a design by the method that verifies
 
@@ -255,6 +255,8 @@ def _looked_for(problem: OptimisationProblem) -> str:
     if isinstance(criterion, Limited):
         unit = QUANTITIES[criterion.against].suffix
         return f"largest {output} with |{against}| <= {criterion.limit:g}{unit}"
+    if isinstance(criterion, Target):
+        return f"{output} nearest to {criterion.target:g}{QUANTITIES[output].suffix}"
     if isinstance(criterion, Pareto):
         return f"{output} high, |{against}| low: the whole front"
     return f"{'least' if problem.sign < 0 else 'largest'} {output}"

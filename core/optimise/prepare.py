@@ -71,7 +71,8 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         )
     problem = OptimisationProblem(plan, _in_si(bounds), study.criterion, kept, unsure)
     middles = {name: Fixed(nominal(each)) for name, each in intervals.items()}
-    designs = grid = Grid.of({**values, **middles})
+    used = {name: one for name, one in values.items() if name in plan.parameters}
+    designs = grid = Grid.of({**used, **middles})
     method = _method(study, problem)
     if isinstance(study.criterion, Pareto):
         shares = Span(0.0, 1.0, study.criterion.points)
@@ -302,7 +303,7 @@ def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
         yield Problem(
             "quantile",
             "it is missing",
-            "Add quantile = 0.05 for what all but a twentieth of the parts do better than",
+            "Add quantile = 0.05 for the value that all but a twentieth of the parts exceed",
         )
     if study.quantile is not None and not LEAST_SHARE <= study.quantile <= 1 - LEAST_SHARE:
         yield Problem(

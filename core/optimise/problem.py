@@ -18,7 +18,14 @@ from vibrafeed.core.plan.grid import from_si
 from vibrafeed.core.plan.plan import Plan, regimes, run_equations
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
 from vibrafeed.core.study.distributions import Distribution
-from vibrafeed.core.study.optimise_study import Criterion, Limited, Minimise, Pareto, Weighted
+from vibrafeed.core.study.optimise_study import (
+    Criterion,
+    Limited,
+    Minimise,
+    Pareto,
+    Target,
+    Weighted,
+)
 from vibrafeed.core.watch import Watch
 
 LIMIT = "limit"
@@ -170,8 +177,8 @@ class OptimisationProblem:
 
     @property
     def sign(self) -> float:
-        """-1 if the criterion is minimised, else 1."""
-        return -1.0 if isinstance(self.criterion, Minimise) else 1.0
+        """-1 if the criterion is minimised, as the distance from a target is; else 1."""
+        return -1.0 if isinstance(self.criterion, Minimise | Target) else 1.0
 
     @property
     def against(self) -> str | None:
@@ -239,10 +246,14 @@ class OptimisationProblem:
     def objective(self, known: Arrays) -> Array:
         """Return the value to maximise, in the unit of studies; NaN where an output has no value.
 
-        It is the output with its sign (minus to minimise it), less the weight times the size of the
-        other output. `known` has all quantities at the candidates, SI units.
+        It is the output, or its distance from the target, with its sign (minus to minimise it),
+        less the weight times the size of the other output. `known` has all quantities at the
+        candidates, SI units.
         """
-        value = self.sign * self.output(self.criterion.output, known)
+        value = self.output(self.criterion.output, known)
+        if isinstance(self.criterion, Target):
+            value = np.abs(value - self.criterion.target)
+        value = self.sign * value
         if self.weight and self.against:
             value = value - self.weight * np.abs(self.output(self.against, known))
         return value

@@ -18,6 +18,7 @@ from vibrafeed.core.plan.pieces import carry_out
 from vibrafeed.core.study.grid_study import Study
 from vibrafeed.core.study.optimise_study import Maximise, Minimise, OptimiseStudy, OutputLimit
 from vibrafeed.core.study.values import Between, Fixed
+from vibrafeed.core.watch import Watch
 
 SOLVED = (STATUS["optimal"], STATUS["not_attained"])
 
@@ -45,7 +46,7 @@ class Reach:
     choice: dict[str, float]
 
 
-def nearest(study: Study) -> list[Reach]:
+def nearest(study: Study, watch: Watch | None = None) -> list[Reach]:
     """Return the nearest approach to each bound of an optimisation that cannot be met.
 
     For each bound that cannot be met while all others are kept it is the nearest value of the
@@ -61,8 +62,10 @@ def nearest(study: Study) -> list[Reach]:
         for end in ("lower", "upper")
         if getattr(one, end) is not None
     ]
+    watch = watch or Watch()
     for limit, end in single:
         if limit.absolute:
+            watch.advance(1.0 / len(single))
             continue
         is_upper, bound = end == "upper", float(getattr(limit, end))
         kept = [
@@ -79,17 +82,17 @@ def nearest(study: Study) -> list[Reach]:
         }
         if study.robust is not None:  # a limit holds for all units, whatever the objective counts
             changes |= {"robust": "worst", "quantile": None}
-        solved = _solved(study.model_copy(update=changes))
+        solved = _solved(study.model_copy(update=changes), watch.part(1.0 / len(single)))
         if solved is not None and (solved[0] > bound if is_upper else solved[0] < bound):
             reaches.append(Reach(limit.output, bound, solved[0], is_upper, solved[1]))
     return reaches
 
 
-def _solved(study: OptimiseStudy) -> tuple[float, dict[str, float]] | None:
+def _solved(study: OptimiseStudy, watch: Watch) -> tuple[float, dict[str, float]] | None:
     # The best value and its choice; None without one, or if the study cannot be planned: it is one
     # that the program makes up to advise a user.
     try:
-        table = carry_out(prepare(study), KIND.compute, KIND.label)
+        table = carry_out(prepare(study), KIND.compute, KIND.label, watch)
     except VibrafeedError:  # such as an output that is none of this sort of study
         return None
     values = {name: variable.values for name, variable in table.variables.items()}
@@ -132,7 +135,7 @@ OF_A_LINE = ("amplitude", "beta")
 """What a straight drive is chosen by."""
 
 
-def ways(study: Study) -> list[Way]:
+def ways(study: Study, watch: Watch | None = None) -> list[Way]:
     """Return changes of a study by which all constraints would be kept, each with its best choice.
 
     Tried are another frequency, more friction and an elliptical drive; a user whose constraints
@@ -145,7 +148,9 @@ def ways(study: Study) -> list[Way]:
         "more friction": _freed(study, "friction", lambda friction: (friction, MAX_FRICTION)),
         "an elliptical drive": _with_ellipse(study),
     }
-    solved = {change: _solved(other) for change, other in changed.items() if other is not None}
+    tried = {change: other for change, other in changed.items() if other is not None}
+    watch = (watch or Watch()).part(1.0 / max(len(tried), 1))
+    solved = {change: _solved(other, watch) for change, other in tried.items()}
     wanted = study.criterion.output
     return [Way(change, wanted, *found) for change, found in solved.items() if found is not None]
 

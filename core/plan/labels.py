@@ -157,6 +157,12 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
 def _origin(drive: MeasuredDrive, values: Mapping[str, Values]) -> str:
     left = ", ".join(f"{axis} {100 * share:.2g} %" for axis, share in drive.left_over.items())
     told = f"fitted to {drive.name} (SHA-256 {drive.sha256}); left over {left}"
+    if drive.constant is not None:
+        left = ", ".join(f"{axis} {size:.3g} m s-2" for axis, size in drive.constant.items())
+        told = (
+            f"{drive.name} (SHA-256 {drive.sha256}), followed once; without its mean acceleration, "
+            f"{left}, so that the track ends at rest"
+        )
     if drive.clock_error is not None:
         told += f"; clock error {100 * drive.clock_error:.3g} %"
     others = [name for name, number in drive.numbers.items() if values.get(name) != Fixed(number)]

@@ -223,11 +223,16 @@ def choose_scene(
 
 
 def plan_scene(
-    scene: Scene, variant: str, outputs: Collection[str], parameters: Collection[str]
+    scene: Scene,
+    variant: str,
+    outputs: Collection[str],
+    parameters: Collection[str],
+    spare: Collection[str] = (),
 ) -> Plan:
     """Return the plan for outputs of a scene, given the names of a study's parameters.
 
-    Raises `StudyError` with every problem.
+    Those among `spare` may be parameters of the scene that the outputs do not use. Raises
+    `StudyError` with every problem.
     """
     scene = scene.fitted(parameters)
     gives, suggest = scene.outputs(variant), Suggestions()
@@ -239,6 +244,7 @@ def plan_scene(
     problems += [_missing(scene, name, user) for name, user in walk.missing.items()]
     if known_outputs:  # otherwise nothing is known to be used, and every parameter would be blamed
         blamed = {problem.place.removeprefix("parameters.") for problem in problems}
+        blamed |= {*spare} & {*scene_parameters(scene, variant)}
         unused = (name for name in parameters if name not in walk.used | blamed)
         problems += [_unused(scene, variant, name, known_outputs) for name in unused]
     raise_any(problems)

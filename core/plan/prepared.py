@@ -69,6 +69,14 @@ class Prepared:
             raise StudyError([replace(self.not_lazy, fix=fix)])
         return self
 
+    @property
+    def unused(self) -> Iterable[str]:
+        """Questions about parameters of the scene that the outputs do not use."""
+        scene = self.plan.scene.name
+        for name in self.study.values():
+            if name not in self.plan.parameters:
+                yield f"{name} changes nothing: no requested output of {scene} depends on it"
+
     def facts(self) -> dict[str, Any]:
         """Return further facts for the plan's JSON document."""
         return {}
@@ -266,7 +274,8 @@ def plan_study(
     """Return the plan (equations in order) and the grid of a study of any kind.
 
     `chosen` are scene, variant and the problems of their names; `more` are parameters that the
-    study gives elsewhere than under `parameters`. Raises `StudyError` with all problems at once.
+    study gives elsewhere than under `parameters`, and that are no part of the grid. Raises
+    `StudyError` with all problems at once.
     """
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
@@ -276,11 +285,12 @@ def plan_study(
     scene = scene.fitted(values, MeshPart(part.volume, part.aspects) if part else None)
     problems += broken_constraints(scene, variant, grid)
     try:
-        plan = plan_scene(scene, variant, tuple(outputs), values)
+        plan = plan_scene(scene, variant, tuple(outputs), values, study.values())
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     raise_any(problems)
-    return plan, grid
+    used = {name: one for name, one in study.values().items() if name in plan.parameters}
+    return plan, Grid.of(used)
 
 
 def _problems_of_part(scene: Scene, variant: str, part: PartOfFile | None) -> Iterable[Problem]:

@@ -47,7 +47,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         panel.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
         panel.axis("off")
     finish(figure, panels[0], style, name=options.title or f"How {part['name']} comes to rest")
-    note = "Shares of parts that are let down, and thrown: the truth lies between"
+    note = "Shares of parts that are let down, and thrown; the true share is between them"
     figure.supxlabel(note, fontsize=style.text(8.5), color=style.quiet, x=0.02, ha="left")
     return figure
 

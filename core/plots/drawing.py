@@ -33,7 +33,7 @@ from vibrafeed.core.plots.selection import (
     select,
     units_of,
 )
-from vibrafeed.core.plots.style import Options, Style, long_name, short_label
+from vibrafeed.core.plots.style import Options, Style, axis_label, long_name
 from vibrafeed.core.quantities import letter_of
 from vibrafeed.core.study.shown import ShownUnits
 from vibrafeed.core.suggestions import suggestion
@@ -90,7 +90,7 @@ def draw(
             raise PlotError(
                 "dataset",
                 f"{reprlib.repr(each)} is not a dataset",
-                "Give what `sweep` or `simulate` returned, or the path of a file",
+                "Give a dataset that `sweep` or `simulate` returned, or the path of a file",
             )
     first = datasets[0]
     axes = None if axes is None else tuple(map(letter_of, axes))
@@ -148,7 +148,7 @@ def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figu
     sheet.set_xlim(places.min(), places.max())
     if all(selection.axes[0].is_log for selection in selections):
         set_log(sheet.xaxis, first.axes[0].values)
-    sheet.set(xlabel=first.axes[0].label, ylabel=short_label(first.variable, first.unit))
+    sheet.set(xlabel=first.axes[0].label, ylabel=axis_label(first.variable, first.unit))
     style.add_grid(sheet)
     entries = [
         Line2D([], [], color=colour, linestyle=dashes, linewidth=2.0, label=label)

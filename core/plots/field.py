@@ -15,7 +15,7 @@ from vibrafeed.core.plots.parts import (
 )
 from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.selection import Selection, check_result, select
-from vibrafeed.core.plots.style import Array, Options, number, short_label
+from vibrafeed.core.plots.style import Array, Options, axis_label, number
 
 COMPONENTS = ("velocity_x", "velocity_y")
 POSITIONS = ("position_x", "position_y")
@@ -72,7 +72,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
             across.values, up.values, *(set_plane(panel, one, MOST)[2] for one in components),
             shown, cmap=scale.colours, norm=scale.norm, pivot="mid", zorder=3,
         )  # fmt: skip
-        add_colour_bar(panel, arrows, scale, short_label(speed.variable, speed.unit), style)
+        add_colour_bar(panel, arrows, scale, axis_label(speed.variable, speed.unit), style)
         panel.margins(0.08)
     facts = list(speed.fixed)
     if {axis.name for axis in speed.axes} == set(POSITIONS):

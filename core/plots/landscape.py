@@ -103,7 +103,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         raise PlotError(
             "dataset",
             "the dataset is not the result of an optimisation",
-            "Draw what `vibrafeed run` wrote of a study of kind 'optimise'",
+            "Draw the result of a study of kind 'optimise'",
         )
     prepared = prepare(study)
     painter = _draw_front if options.kind == "front" else _draw_objective

@@ -60,7 +60,6 @@ from vibrafeed.core.plots.style import (
     long_name,
     mix,
     number,
-    short_label,
     with_unit,
 )
 from vibrafeed.core.quantities import STATUSES
@@ -180,7 +179,7 @@ def _draw_line(
         if ends[0] < 0 < ends[1]:
             axes.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
     _mark_level(axes, selection, style)
-    axes.set_ylabel(short_label(selection.variable, selection.unit))
+    axes.set_ylabel(axis_label(selection.variable, selection.unit))
     style.add_grid(axes)
     return axes, entries
 

@@ -41,9 +41,9 @@ from vibrafeed.core.plots.style import (
     Array,
     Options,
     Style,
+    axis_label,
     mix,
     number,
-    short_label,
     with_unit,
     words,
 )
@@ -81,7 +81,7 @@ def _draw_contour(
             x, y, np.ma.masked_invalid(values), levels=scale.levels, cmap=scale.colours,
             norm=scale.norm, extend=scale.extend, zorder=1,
         )  # fmt: skip
-        add_colour_bar(axes, filled, scale, short_label(selection.variable, selection.unit), style)
+        add_colour_bar(axes, filled, scale, axis_label(selection.variable, selection.unit), style)
     shade(axes, x, y, regimes, faces, style)
     if scale is not None:
         plane = (x, y, np.ma.masked_invalid(values))

@@ -48,9 +48,8 @@ def finish(
 ) -> Figure:
     """Add title, facts, source and legend to a drawn figure, and return it.
 
-    `top` are the uppermost axes, above which the facts stand: what is held fixed, of which those
-    that do not fit their line are only counted, and where the values are from. `note` is a sentence
-    above the legend, which has `entries`.
+    `top` are the uppermost axes, below the facts: the fixed values, on as many lines as they need,
+    and the source of the values. `note` is a sentence above the legend, which has `entries`.
     """
     style.dress(figure)
     _add_legend(figure, entries, note, style)
@@ -64,7 +63,7 @@ def finish(
     ends = [box.x0 - MARGIN * figure.bbox.width for box in beside if box.x0 > end]
     room = min([(1 - MARGIN) * figure.bbox.width, *ends]) - start
     size = style.text(FACTS)
-    lines = [_longest(figure, texts, room, size) for texts in (_packed(facts), _cut(source))]
+    lines = [*_wrapped(figure, facts, room, size), _longest(figure, _cut(source), room, size)]
     title = top.set_title("\n".join(filter(None, lines)), loc="left", fontsize=size,
                           linespacing=1.4, color=style.quiet)  # fmt: skip
     start = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
@@ -99,10 +98,15 @@ def _longest(
     return next((one for one in texts if _text_width(figure, one, size, weight) <= width), "")
 
 
-def _packed(facts: Sequence[str]) -> Iterator[str]:
-    for count in range(len(facts), 0, -1):
-        left = len(facts) - count
-        yield DOT.join([*facts[:count], *([f"{left}\N{NO-BREAK SPACE}more"] if left else [])])
+def _wrapped(figure: Figure, facts: Sequence[str], width: float, size: float) -> list[str]:
+    lines: list[str] = []
+    for fact in facts:
+        longer = DOT.join([*lines[-1:], fact])
+        if lines and _text_width(figure, longer, size) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(fact)
+    return lines
 
 
 def _cut(text: str) -> Iterator[str]:

@@ -102,7 +102,7 @@ PICTURES = {
     picture.name: picture
     for picture in (
         Picture(
-            "posterior", "what a calibration knows of its unknowns", "spreads", (), is_calibration,
+            "posterior", "the posterior of a calibration's unknowns", "spreads", (), is_calibration,
         ),
         Picture(
             "distribution", "how an output with uncertain parameters spreads", *OF_UNCERTAIN,
@@ -111,7 +111,7 @@ PICTURES = {
             "indices", "shares of the variance, by parameter", *OF_UNCERTAIN,
         ),
         Picture(
-            "tornado", "what each tolerance does by itself", *OF_UNCERTAIN,
+            "tornado", "the effect of each tolerance by itself", *OF_UNCERTAIN,
         ),
         Picture("front", "a trade-off of two outputs", "landscape", ("at",),
                 lambda dataset: "knee" in dataset),
@@ -129,13 +129,13 @@ PICTURES = {
         ),
         Picture("bodies", "an impact: what hits what", "bodies", ("at",),
                 lambda dataset: is_pair(dataset) and _is_single(dataset)),
-        Picture("aspects", "how a part from a file lies", "aspects", (),
+        Picture("aspects", "the aspects of a part from a file", "aspects", (),
                 lambda dataset: "part" in dataset.attrs),
         Picture("field", "the velocity over a plate, as arrows in colours of its size", "field",
                 ("axes", "at"),
                 lambda dataset: {"velocity_x", "velocity_y"} <= {*dataset.data_vars}),
         Picture("line", "an output over one parameter, or a family of lines", "line"),
-        Picture("map", "regimes, or an output whose numbers stand for words", "maps"),
+        Picture("map", "regimes, or an output whose numbers have names", "maps"),
         Picture("contour", "an output over two parameters, in colours", "maps"),
         Picture("levels", "an output over two parameters, as lines of equal value", "maps"),
     )

@@ -232,7 +232,7 @@ def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
     if not categories_of(whole):
         raise PlotError(
             "variable",
-            f"{whole.name} has numbers, and a map shows regimes or what has a name",
+            f"{whole.name} has numbers; a map shows regimes or outputs whose numbers have names",
             f"Draw {_regime(dataset, whole).name}, or draw kind contour",
         )
     return whole

@@ -136,7 +136,7 @@ def _result(dataset: xarray.Dataset, options: Options) -> UncertainOutput:
         raise PlotError(
             "dataset",
             "the dataset has no uncertain parameters",
-            "Draw what `vibrafeed run` wrote of a study of kind 'sensitivity'",
+            "Draw the result of a study of kind 'sensitivity'",
         )
     output = options.variable or outputs[0]
     if output not in outputs:
@@ -296,7 +296,7 @@ def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     _set_rows(axes, names, style)
     axes.margins(x=2 * PADDING)  # the ends of tolerances stand beside their bars
     axes.set(xlabel=result.axis)
-    return f"What each tolerance does to the {result.label}", entries, ""
+    return f"Effect of each tolerance on the {result.label}", entries, ""
 
 
 def _set_rows(axes: Axes, names: Sequence[str], style: Style) -> None:
@@ -328,7 +328,7 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
         raise PlotError(
             "kind",
             f"the dataset has no {kind}",
-            "Draw what `vibrafeed run` wrote of a study of kind 'calibrate'",
+            "Draw the result of a study of kind 'calibrate'",
         )
     if kind != "posterior":
         raise PlotError(

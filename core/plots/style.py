@@ -219,12 +219,6 @@ def axis_label(array: xarray.DataArray, unit: str) -> str:
     return " ".join(part for part in parts if part)
 
 
-def short_label(array: xarray.DataArray, unit: str) -> str:
-    """Return symbol and unit of an output for a narrow axis, or its long name without a symbol."""
-    symbol = math_symbol(str(array.attrs.get("symbol", "")))
-    return f"{symbol} {in_brackets(unit)}".rstrip() if symbol else axis_label(array, unit)
-
-
 def demand_in_words(array: xarray.DataArray, units: ShownUnits) -> str:
     """Return in words the demand whose probability an array has; empty for other arrays.
 

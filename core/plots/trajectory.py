@@ -174,7 +174,9 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     period = 1.0 / float(dataset["frequency"])
     track = values_of(dataset["track_normal"])
     part, orbit = track + values_of(dataset["height_above_floor"]), None
-    if shape is None:
+    if "burst_periods" in known:  # from rest to rest
+        swing = np.gradient(values_of(dataset["track_along"]), seconds)
+    elif shape is None:
         swing = _swing(seconds, period, values_of(dataset["track_along"]))
     else:
         given = {name: values_of(dataset[name]) for name in shape.inputs}

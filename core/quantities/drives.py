@@ -45,6 +45,19 @@ DRIVE: dict[str, Quantity] = {
         )
         for letter, axis, where in _WAYS for n in _ORDERS
     },
+    "ellipse_major": Quantity(
+        "m", "a", "Semi-major axis", "Semi-major axis of an elliptical drive.", 0.0,
+        parameter=True, examples=("0.3 mm",), usual=(1e-9, 0.025),
+    ),
+    "ellipse_minor": Quantity(
+        "m", "b", "Semi-minor axis",
+        "Semi-minor axis of an elliptical drive: above 0 the track moves forward at the bottom, "
+        "below 0 it turns the other way.", parameter=True, examples=("0.1 mm",),
+    ),
+    "ellipse_tilt": angle(
+        "theta", "Tilt of the ellipse", "Angle of the semi-major axis above the track.", 180.0,
+        "15 deg",
+    ),
     **{
         f"acceleration_{axis}_{n}": Quantity(
             "m s-2", f"a{letter}{n}", f"Acceleration {axis}, step {n}",
@@ -131,7 +144,7 @@ BOWL_TRACK: dict[str, Quantity] = {
     },
     "load_radius": length(
         "R_l", "Radius of the load",
-        "Radius at which the load lies; by default that of the part.", "180 mm",
+        "Radius of the load; by default that of the part.", "180 mm",
     ),
     "load_fraction": _fraction(
         "Share of the track, load",
@@ -188,7 +201,7 @@ def _offset(symbol: str, label: str, says: str) -> Quantity:
 
 DRIVE_UNIT: dict[str, Quantity] = {
     "moving_mass": _input(
-        "kg", "m_1", "Moving mass", "Mass of trough or bowl, with what is fixed to it.", "10 kg",
+        "kg", "m_1", "Moving mass", "Mass of the trough or bowl and its fixtures.", "10 kg",
         strict=True,
     ),
     "base_mass": _input(
@@ -267,7 +280,8 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "drive_force": _input(
         "N", "F", "Force of the drive",
         "Amplitude of the force between both masses, at the drive's frequency; a magnet's follows "
-        "from flux_density and pole_area, an unbalance's from unbalance.",
+        "from flux_density and pole_area, or from drive_voltage and one measured amplitude; an "
+        "unbalance's from unbalance.",
         "100 N", strict=True,
     ),
     "flux_density": _input(
@@ -276,6 +290,36 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "pole_area": _input(
         "m2", "A", "Pole area", "Area of all poles of the magnet that pull.", "12 cm^2", strict=True
+    ),
+    "drive_voltage": _input(
+        "V", "U", "Voltage of the drive",
+        "Voltage of the controller; the force follows from the amplitude measured at another one.",
+        "180 V", strict=False,
+    ),
+    "measured_voltage": _input(
+        "V", "U_m", "Measured voltage", "Voltage at which measured_amplitude was measured.",
+        "150 V", strict=True,
+    ),
+    "measured_amplitude": length(
+        "A_m", "Measured amplitude",
+        "Amplitude of the empty track at measured_voltage and measured_frequency, zero to peak: "
+        "half of the stroke.", "0.15 mm",
+    ),
+    "measured_frequency": _input(
+        "Hz", "f_m", "Measured frequency", "Frequency at which measured_amplitude was measured.",
+        "50 Hz", strict=True,
+    ),
+    "measured_radius": length(
+        "R_m", "Measured radius",
+        "Radius of a bowl at which measured_amplitude was measured.", "200 mm",
+    ),
+    "force_exponent": _input(
+        "1", "n", "Exponent of the force",
+        "Exponent by which the force grows with the voltage: 2 of a magnet without saturation.",
+        "2", strict=True,
+    ),
+    "measured_response": Quantity(
+        "m", "", "Measured response", "Amplitude of the empty track per newton.", bundle=True
     ),
     "force_harmonic": Quantity(
         "1", "F_2/F_1", "Second harmonic of the force",
@@ -366,11 +410,11 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "trough.", bundle=True),
     "track_amplitude": Quantity(
         "m", "A_0", "Amplitude of the track",
-        "Amplitude of the track itself, zero to peak: what a study of motion takes as amplitude.",
+        "Amplitude of the track itself, zero to peak: the amplitude of a study of motion.",
     ),
     "vibration_angle": Quantity(
         "degree", "beta", "Vibration angle",
-        "Angle of the vibration above the track: what a study of motion takes as beta.",
+        "Angle of the vibration above the track: beta of a study of motion.",
     ),
     "bowl_turn": Quantity("rad", "Theta_1", "Turn of the bowl", "Amplitude of the bowl's turning."),
     "bowl_lift": Quantity("m", "z_1", "Lift of the bowl", "Amplitude of the bowl's lift."),

@@ -213,7 +213,7 @@ SIGNS: dict[str, Flag] = {
 
 DERIVATIVE_STATUSES: dict[str, Flag] = {
     "differences": Flag(0, "from central differences inside one regime"),
-    "one_sided": Flag(1, "from inside, at an end of what the parameter may be"),
+    "one_sided": Flag(1, "from inside, at an end of the parameter's range"),
     "kink": Flag(3, "none: a kink or a jump, where the two sides differ or cannot be separated"),
     "not_periodic": Flag(4, "none: the motion does not repeat, it is aperiodic or runs away"),
     "no_value": Flag(5, "none: the output has no finite value here"),

@@ -16,8 +16,8 @@ def _fraction(label: str, description: str) -> Quantity:
 
 
 _SPENT = {
-    "friction": ("Friction", "What friction takes while contacts slip"),
-    "impact": ("Impact", "What impacts take, with the friction in them"),
+    "friction": ("Friction", "Energy that friction dissipates while contacts slip"),
+    "impact": ("Impact", "Energy that impacts dissipate, with the friction in them"),
     "drive": ("Drive", "Work of the track on the part"),
 }
 _SPENT_PER = {
@@ -65,7 +65,7 @@ SCALES: dict[str, Quantity] = {
     ),
     "load_number": number(
         "cg cd + F/(m g)", "Load number",
-        "Mean load on the floor over the weight: gravity's share, and what holds the part down.",
+        "Mean load on the floor over the weight, from gravity and the hold-down force.",
     ),
     "curvature_number": number(
         "g/(w^2 R)", "Curvature number", "Length scale g/w^2 over the bowl radius."
@@ -194,7 +194,7 @@ TUMBLING: dict[str, Quantity] = {
     ),
     "resting_side": Quantity(
         "1", "", "Resting side",
-        "Side that lies on the plane at the end: 1 as at pitch 0, 2 at 90 degrees, 3 at 180, "
+        "Side on the plane at the end: 1 as at pitch 0, 2 at 90 degrees, 3 at 180, "
         "4 at 270; 0 if none does.",
         words={
             0: "no side", 1: "the side at pitch 0°", 2: "the side at pitch 90°",
@@ -202,7 +202,7 @@ TUMBLING: dict[str, Quantity] = {
         }, other_words="{}",
     ),
     "settling_time": Quantity(
-        "s", "t_s", "Settling time", "Time from which the part lies at rest for good."
+        "s", "t_s", "Settling time", "Time after which the part stays at rest."
     ),
     "impact_count": Quantity(
         "1", "", "Impacts", "Impacts until the end; both ends of a side at once count as one.",
@@ -318,4 +318,4 @@ OPTIMUM: dict[str, Quantity] = {
 }  # fmt: skip
 
 OF_THE_SEARCH = ("objective_error", "optimum_gap", "evaluations")
-"""Outputs that tell how an optimum was found, in place of what it is."""
+"""Outputs that tell how an optimum was found."""

@@ -61,11 +61,11 @@ def _resting_shares() -> dict[str, Quantity]:
         quantities[f"let_down_share_{name}"] = number(
             f"s_{name}", f"Share that rests {words}, let down",
             f"Share of parts that come to rest {plain}, let down with negligible momentum. The "
-            f"truth lies between this and thrown_share_{name}: their distance is the error.",
+            f"true share is between this and thrown_share_{name}: their distance is the error.",
         )  # fmt: skip
         quantities[f"thrown_share_{name}"] = number(
             f"t_{name}", f"Share that rests {words}, thrown",
-            f"Share of parts that come to rest {plain}, thrown. The truth lies between this and "
+            f"Share of parts that come to rest {plain}, thrown. The true share is between this and "
             f"let_down_share_{name}: their distance is the error.",
         )  # fmt: skip
         quantities[f"counted_share_{name}"] = number(
@@ -132,12 +132,12 @@ RESTING: dict[str, Quantity] = {
     "let_down_share": number(
         "s", "Share that rests, let down",
         "Share of parts that come to rest in the aspect, let down with negligible momentum. The "
-        "truth lies between this and thrown_share: their distance is the error.",
+        "true share is between this and thrown_share: their distance is the error.",
     ),
     "thrown_share": number(
         "t", "Share that rests, thrown",
-        "Share of parts that come to rest in the aspect, thrown. The truth lies between this and "
-        "let_down_share: their distance is the error.",
+        "Share of parts that come to rest in the aspect, thrown. The true share is between this "
+        "and let_down_share: their distance is the error.",
     ),
     "lying_height": Quantity("m", "h", "Height as it lies", "Height of the part in the aspect."),
     "lying_length": Quantity(

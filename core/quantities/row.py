@@ -5,7 +5,7 @@ from vibrafeed.core.quantities.quantity import Quantity, length, number, velocit
 MAX_NUMBERED = 10
 """Parts that have numbers of their own: as many parameters each as a study has keys to spare."""
 MAX_PARTS = 64
-"""Parts of a row: some 200 collisions a period; longer lanes repeat what such a row does."""
+"""Parts of a row: some 200 collisions a period; longer lanes repeat the behaviour of such a row."""
 
 
 def _of_part(n: int) -> str:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibrafeed.core.mechanics.drive_unit import magnet_force, unbalance_force
+from vibrafeed.core.mechanics.drive_unit import magnet_force, unbalance_force, voltage_force
 from vibrafeed.core.mechanics.floor import (
     amplitude,
     amplitude_of_vertical,
@@ -58,11 +58,12 @@ ALIASES = (
     ),
     Equation("drive_force", magnet_force, "theory 15.1"),
     Equation("drive_force", unbalance_force, "theory 15.1"),
+    Equation("drive_force", voltage_force, "theory 15.1"),
     Equation("arrival_rate", rate_by_pitch, "theory 16.3"),
 )
 """They serve only where the parameter itself is not given."""
 
-BESIDE = frozenset(("beta",))
+BESIDE = frozenset(("beta", "measured_voltage", "measured_amplitude", "force_exponent"))
 """Inputs of `ALIASES` that stand for nothing themselves."""
 
 

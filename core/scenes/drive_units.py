@@ -77,6 +77,20 @@ def stroke_response(
     )
 
 
+def measured_response(
+    *, measured_frequency: Array, spring_stiffness: Array, damping: Array, foot_stiffness: Array,
+    foot_damping: Array, moving_mass: Array, base_mass: Array,
+) -> Array:  # fmt: skip
+    """Return the amplitude of the empty track by a force of 1 N, X1/F [m N-1]."""
+    none = 0.0 * measured_frequency
+    return stroke_response(
+        drive_force=1.0 + none, circular_frequency=2 * np.pi * measured_frequency,
+        spring_stiffness=spring_stiffness, damping=damping, foot_stiffness=foot_stiffness,
+        foot_damping=foot_damping, loaded_mass=moving_mass, load_damping=none,
+        base_mass=base_mass,
+    )[2]  # fmt: skip
+
+
 def track_harmonic(
     *, force_harmonic: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
     foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
@@ -227,6 +241,33 @@ def turning_angle(*, track_motion: tuple[Array, Array], gamma: Array) -> Array:
     return np.arctan2(track_motion[1], track_motion[0]) - gamma
 
 
+def turning_measured(
+    *, measured_frequency: Array, spring_stiffness: Array, damping: Array, generalised_mass: Array,
+    moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
+    offset_along: Array, offset_upward: Array, spot_along: Array, spot_upward: Array,
+    spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the amplitude of the empty track at its place by a force of 1 N [m N-1]."""
+    response = turning_response(
+        drive_force=1.0 + 0.0 * measured_frequency,
+        circular_frequency=2 * np.pi * measured_frequency, spring_stiffness=spring_stiffness,
+        damping=damping, turning_mass=generalised_mass,
+    )  # fmt: skip
+    stroke, places = hypot(*response), {
+        "loaded_mass": moving_mass, "base_mass": base_mass, "offset_along": offset_along,
+        "offset_upward": offset_upward, "spring_angle": spring_angle,
+    }  # fmt: skip
+    turn = trough_turn(
+        stroke=stroke, moving_inertia=moving_inertia, base_inertia=base_inertia, **places
+    )
+    return turning_amplitude(
+        track_motion=turning_track(
+            stroke=stroke, trough_turn=turn, spot_along=spot_along, spot_upward=spot_upward,
+            **places,
+        )
+    )  # fmt: skip
+
+
 SPRINGS = (Equation("spring_stiffness", drive_unit.leaf_stiffness, "theory 15.1", "springs"),)
 MEASURED = (Equation("spring_stiffness", drive_unit.tuned_stiffness, "theory 15.1", "measured"),)
 SHARED = (
@@ -250,6 +291,7 @@ DEFAULTS = {
     "gamma": 0.0,
     "clamp_factor": 1.0,
     "force_harmonic": 0.0,
+    "force_exponent": 2.0,
 }
 
 STROKES = frozenset(
@@ -307,6 +349,7 @@ LINEAR = (
     Equation("natural_frequency", natural_frequency, "theory 15.2"),
     Equation("foot_frequency", foot_frequency, "theory 15.2"),
     Equation("stroke_response", stroke_response, "theory 15.2"),
+    Equation("measured_response", measured_response, "theory 15.1"),
     *fields(
         "stroke_response", "theory 15.2", track_amplitude=(2, "the amplitude of the track, X1 [m]")
     ),
@@ -328,6 +371,7 @@ TURNING = (
         spring_stiffness="spring_stiffness", bowl_mass="turning_mass",
     ),
     Equation("stroke_response", turning_response, "theory 15.2"),
+    Equation("measured_response", turning_measured, "theory 15.1"),
     Equation("track_harmonic", turning_harmonic, "theory 15.2"),
     Equation("trough_turn", trough_turn, "theory 15.2"),
     Equation("track_motion", turning_track, "theory 15.2"),
@@ -404,6 +448,7 @@ BOWL = (
     ),
     Equation("natural_frequency", drive_unit.bowl_frequency, "theory 15.3"),
     Equation("stroke_response", drive_unit.bowl_response, "theory 15.3"),
+    Equation("measured_response", drive_unit.bowl_measured, "theory 15.1"),
     Equation("track_harmonic", drive_unit.bowl_harmonic, "theory 15.3"),
     Equation("bowl_turn", drive_unit.bowl_turn, "theory 15.3"),
     Equation("bowl_lift", drive_unit.bowl_lift, "theory 15.3"),

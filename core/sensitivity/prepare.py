@@ -14,7 +14,7 @@ from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.prepare import choose_problem_scene, drive_refusal
-from vibrafeed.core.plan.grid import Grid, to_si
+from vibrafeed.core.plan.grid import to_si
 from vibrafeed.core.plan.labels import ResultVariable
 from vibrafeed.core.plan.pieces import Sketch
 from vibrafeed.core.plan.plan import Plan
@@ -245,13 +245,13 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     values = study.values()
     spans = {n: _span(n, one) for n, one in uncertain.items() if n not in values}
     try:
-        plan, _ = plan_study(study, asked, chosen, spans)
+        plan, grid = plan_study(study, asked, chosen, spans)
     except StudyError as error:
         told = [*problems, *(locate_problem(one, study) for one in error.problems)]
         raise StudyError(told) from None
     problems += _problems_of_regimes(study, plan)
     raise_any(problems)
-    prepared = Sensitivity(study, plan, Grid.of(values))
+    prepared = Sensitivity(study, plan, grid)
     raise_any(_problems_of_size(prepared))
     return prepared
 

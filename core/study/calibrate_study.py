@@ -122,6 +122,7 @@ if TYPE_CHECKING:
 
         conveying_velocity: float | None = None
         feed_rate: float | None = None
+        track_amplitude: float | None = None
         error: float | None = None
         regime: str | None = None
 
@@ -315,8 +316,8 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
             }
         ),
     ] = Field(
-        description="The runs: what differs between them, and what was measured; or the name of a "
-        "CSV or XLSX file in the study's folder.",
+        description="The runs: the parameters that differ between them and the measurements; or "
+        "the name of a CSV or XLSX file in the study's folder.",
         min_length=1,
     )
     error: float | Annotated[str, Field(max_length=200)] | None = Field(
@@ -345,6 +346,11 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         description="True if speeds may scatter by more than their errors, for effects that the "
         "model lacks.",
         strict=True,
+    )
+    likelihood: Literal["normal", "student_t"] = Field(
+        "normal",
+        description="Distribution of the errors: normal, or student_t, whose tails let a few wrong "
+        "runs count little.",
     )
     outlier_probability: Annotated[
         float,

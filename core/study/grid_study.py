@@ -52,6 +52,8 @@ _Mounting = Annotated[
 ]
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Share = Annotated[_Finite, Field(ge=0)]
+MAX_SAMPLES_ONCE: Final = 20_000
+_Samples = Annotated[tuple[_Finite, ...], Field(min_length=2, max_length=MAX_SAMPLES_ONCE)]
 
 
 class RecordedDrive(BaseModel):
@@ -97,6 +99,11 @@ class RecordedDrive(BaseModel):
         None,
         description="Approximate frequency of the motion [Hz]; found automatically by default.",
     )
+    once: bool = Field(
+        False,
+        description="Follow the recording as it is, from rest to rest, instead of its harmonics: "
+        "for burst_displacement.",
+    )
     harmonics: Annotated[Any, WithJsonSchema({"type": "integer", "minimum": 1, "maximum": 10})] = (
         Field(
             None,
@@ -124,6 +131,19 @@ class MeasuredDrive(BaseModel):
     )
     numbers: dict[Annotated[str, Field(max_length=100)], _Finite] = Field(
         description="The parameters as they were fitted.", max_length=100
+    )
+    samples: dict[Literal["time", "along", "across", "normal"], _Samples] | None = Field(
+        None,
+        description="Of a recording followed once: times [s], and accelerations [m s-2] or "
+        "velocities [m s-1].",
+    )
+    derivative: Literal[1, 2] | None = Field(
+        None, description="1 if the samples are velocities, 2 if they are accelerations."
+    )
+    constant: dict[Literal["along", "across", "normal"], _Finite] | None = Field(
+        None,
+        description="Of a recording followed once: its mean acceleration [m s-2], which is left "
+        "out so that the track ends at rest.",
     )
 
 
@@ -192,13 +212,13 @@ Drive = Annotated[
 
 # --- Names and sizes in sections of a study.
 
-CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise")
+CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise", "reach")
 """The kinds of criterion of an optimisation."""
 
 DRIVE_ANGLES: Final = ("alpha", "beta")
 """The variables of an optimisation that names none."""
 
-OBSERVED: Final = ("conveying_velocity", "feed_rate")
+OBSERVED: Final = ("conveying_velocity", "feed_rate", "track_amplitude")
 """Outputs that may have been measured."""
 
 MAX_RUNS: Final = 1_000

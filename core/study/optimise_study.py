@@ -70,7 +70,15 @@ class Minimise(Frozen):
     output: OutputName = Field("acceleration_x", description="The output.")
 
 
-Criterion = Weighted | Limited | Pareto | Maximise | Minimise
+class Target(Frozen):
+    """The value nearest to a target."""
+
+    kind: Literal["reach"] = "reach"
+    output: OutputName = Field("conveying_velocity", description="The output.")
+    target: Level = Field(description="The value that the output is to reach.")
+
+
+Criterion = Weighted | Limited | Pareto | Maximise | Minimise | Target
 """The criterion: which output is maximised or minimised."""
 
 
@@ -140,8 +148,8 @@ class OptimiseStudy(DrivenStudy):
     part: Part = PART
     method: str | None = Field(
         None,
-        description="The optimiser; where left out, the exact answer if there is one, else what "
-        "was measured to be best.",
+        description="The optimiser; by default the exact answer if there is one, else the "
+        "optimiser that was measured to be best.",
         max_length=100,
     )
     variables: Variables | None = Field(
@@ -168,8 +176,8 @@ class OptimiseStudy(DrivenStudy):
     )
     robust: Literal["worst", "mean", "quantile"] | None = Field(
         None,
-        description="What is looked for under them: the best worst case (where left out), the "
-        "best mean, or the best quantile.",
+        description="The aim under them: the best worst case (the default), the best mean, or "
+        "the best quantile.",
     )
     quantile: float | None = Field(
         None,

@@ -77,9 +77,8 @@ class SensitivityStudy(DrivenStudy):
         AfterValidator(lambda names: tuple(name for name in ANALYSES if name in names)),
     ] = Field(
         ("distribution", "sobol", "budget"),
-        description="What to compute: distribution (mean, standard deviation, quantiles, "
-        "demands), sobol (which parameter the variance comes from), budget (what each "
-        "tolerance does).",
+        description="The analyses: distribution (mean, standard deviation, quantiles, demands), "
+        "sobol (share of the variance from each parameter), budget (effect of each tolerance).",
         min_length=1,
     )
     demands: Annotated[tuple[Demand, ...], at_most(MAX_DEMANDS)] = Field(

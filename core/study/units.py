@@ -44,6 +44,7 @@ _SIZES: Final[tuple[tuple[Dimensions, dict[str, Fraction | str | int]], ...]] = 
     ((2, 1, -2, 0, 0), {"J": 1, "mJ": "1e-3"}),
     ((2, 1, -3, 0, 0), {"W": 1, "mW": "1e-3"}),
     ((0, 1, -2, -1, 0), {"T": 1, "mT": "1e-3"}),
+    ((2, 1, -3, -1, 0), {"V": 1, "mV": "1e-3"}),
 )  # fmt: skip
 WORDS: Final = MappingProxyType(
     {word: (Fraction(size), kind) for kind, words in _SIZES for word, size in words.items()}

@@ -358,18 +358,17 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
         )
     start = read_number(name, quantity, raw["start"])
     stop = read_number(name, quantity, raw["stop"])
-    if stop <= start:
+    if stop == start:
         raise UnitError(
-            f"stop ({stop:g}{quantity.suffix}) of the range of {name} is not above start "
-            f"({start:g}{quantity.suffix})",
-            "Swap start and stop, or list the values: a list may fall",
+            f"start and stop of the range of {name} are both {start:g}{quantity.suffix}",
+            "Give two ends, or one value",
         )
     spacing = raw.get("spacing", "linear")
     if spacing == "log":
-        if start <= 0 or "step" in raw:
+        if min(start, stop) <= 0 or "step" in raw:
             raise UnitError(
-                f"the logarithmic range of {name} needs a start above 0, and num instead of step",
-                "Give start above 0, stop and num",
+                f"the logarithmic range of {name} needs ends above 0, and num instead of step",
+                "Give start and stop above 0, and num",
             )
     elif spacing != "linear":
         raise UnitError(
@@ -452,6 +451,7 @@ def _step(
         as_typed(start),
         as_typed(read_number(f"step of {name}", as_difference(quantity), raw)),
     )
+    apart = apart if stop > start else -apart
     steps = (as_typed(stop) - first) / apart
     if steps > MAX_POINTS:
         return stop, int(min(steps, Fraction(10**18))) + 1

@@ -18,8 +18,6 @@ UNIT_WORDS: Final = frozenset(
         "sec",
         "Sec",
         "ns",
-        "V",
-        "mV",
         "µm",
         "µs",
         "vpm",

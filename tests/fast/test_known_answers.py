@@ -58,7 +58,7 @@ def test_every_answer_is_right_and_a_wrong_one_would_not_be(file: str) -> None:
 
 def test_answers_have_names_of_their_own_and_sources() -> None:
     answers = [one for file in FILES for one in known_answers(file)]
-    assert len({one.name for one in answers}) == len(answers) == 819
+    assert len({one.name for one in answers}) == len(answers) == 930
     for one in answers:
         judged = hasattr(one, "value") or one.status or one.refused
         assert judged, one.name

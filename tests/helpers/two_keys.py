@@ -8,26 +8,21 @@ of its own; the other may lose nothing.
 
 from __future__ import annotations
 
-import http.client
 import json
 import random
-import time
-from contextlib import ExitStack
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import Any
-from urllib.parse import urlsplit
 
+from benchmarks.serving import Served
 from vibrafeed.app.jobs.keys import Key, Keys
 from vibrafeed.app.jobs.ledger import Ledger
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_for
 
 STRICT, LIMITED = "strict", "limited"
 LIMITED_BYTES = 60_000
 STUDIES = 8  # different ones that both choose among
 SLICE = "/slice?output=acceleration_x&axes=beta"
 ASYNC = {"Prefer": "respond-async"}
-
-
 SWEEP_ENDS = ["", SLICE, "/netcdf", "/zarr/zarr.json", "/nowhere"]
 JOB_ENDS = ["", "/results", "/results/dataset", "/events", "/results/zarr/zarr.json"]
 
@@ -49,22 +44,21 @@ def study(number: int, values: int = 20) -> dict[str, Any]:
     }
 
 
-def make_keys(address: str, data: Path) -> dict[str, str]:
+def make_keys(server: Served) -> dict[str, str]:
     """Make both keys in the ledger of a service that runs; return them when it asks for them."""
-    ledger = Ledger(data / "jobs.sqlite3")
+    ledger = Ledger(server.data / "jobs.sqlite3")
     try:
         keys = Keys(ledger.database)
         strict, _ = keys.add(Key(STRICT, "run"))
         limited, _ = keys.add(Key(LIMITED, "run", bytes=LIMITED_BYTES))
     finally:
         ledger.close()
-    stranger = Client(address, "", "vf_none")
-    while stranger.ask("GET", "/scenes")[0] == 200:
-        time.sleep(0.1)
-    stranger.close()
+    stranger = Client(server, "", "vf_none")
+    wait_for(lambda: stranger.ask("GET", "/scenes")[0] != 200)
     return {STRICT: strict, LIMITED: limited}
 
 
+@dataclass
 class Client:
     """One of the two, and what it knows.
 
@@ -74,30 +68,19 @@ class Client:
         What it posted, and whether it shares it.
     """
 
-    def __init__(self, address: str, name: str, key: str):
-        parts = urlsplit(address)
-        self._connection = http.client.HTTPConnection(
-            str(parts.hostname), parts.port, timeout=PATIENCE
-        )
-        self.name, self._key = name, key
-        self.sweeps: dict[str, bool] = {}
-        self.jobs: dict[str, bool] = {}
+    server: Served
+    name: str
+    key: str
+    sweeps: dict[str, bool] = field(default_factory=dict)
+    jobs: dict[str, bool] = field(default_factory=dict)
 
     def ask(
         self, method: str, path: str, content: object = None, **headers: str
     ) -> tuple[int, bytes]:
         """Return the status and the body of a reply."""
-        body = None if content is None else json.dumps(content).encode()
-        given = {"Authorization": f"Bearer {self._key}", **headers}
-        self._connection.close()  # the service closes what is idle; the next request opens it anew
-        self._connection.request(method, path, body, given)
-        reply = self._connection.getresponse()
-        content = reply.read()
-        return reply.status, content
-
-    def close(self) -> None:
-        """Close the connection."""
-        self._connection.close()
+        headers |= {"Authorization": f"Bearer {self.key}"}
+        reply = self.server.ask(method, path, content, timeout=PATIENCE, **headers)
+        return reply.status, reply.body
 
 
 class Play:
@@ -223,13 +206,9 @@ class Play:
                     self.wrong.append(f"{me.name} changes {kind} of the other: {refused}")
 
 
-def play(address: str, keys: dict[str, str], calls: int, seed: int) -> Play:
+def play(server: Served, keys: dict[str, str], calls: int, seed: int) -> Play:
     """Let both make calls in a random order; return what was found."""
-    with ExitStack() as stack:
-        clients = [Client(address, name, key) for name, key in keys.items()]
-        for client in clients:
-            stack.callback(client.close)
-        found = Play(clients, seed)
-        for _ in range(calls):
-            found.call()
+    found = Play([Client(server, name, key) for name, key in keys.items()], seed)
+    for _ in range(calls):
+        found.call()
     return found

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 import vibrafeed
 from vibrafeed.core import optimise
 from vibrafeed.core.intake import parse_study
+from vibrafeed.core.watch import Watch
 
 STUDY = {
     "kind": "optimise", "scene": "rectangle-on-plane",
@@ -44,7 +47,9 @@ def test_a_wider_choice_keeps_what_it_promises():
 
 
 def test_each_limit_is_reached_as_far_as_the_others_allow():
-    throw, speed = optimise.nearest(parse_study(STUDY))
+    done = []
+    throw, speed = optimise.nearest(parse_study(STUDY), Watch(done.append))
+    assert sum(done) == pytest.approx(1.0)
     assert (throw.output, speed.output) == ("throw_number", "conveying_velocity")
     # The same by two other studies: the fastest without a hop, the gentlest with 50 mm/s.
     fastest = vibrafeed.optimise({**STUDY, "constraints": STUDY["constraints"][:1]})
@@ -60,6 +65,12 @@ def test_each_limit_is_reached_as_far_as_the_others_allow():
     )  # fmt: skip
     slow = grid.conveying_velocity.where(grid.throw_number < 0.97 * throw.value)
     assert float(slow.max()) < 0.05
+
+
+def test_the_search_ends_at_its_deadline():
+    late = Watch(deadline=time.monotonic())
+    assert optimise.nearest(parse_study(STUDY), late) == []
+    assert optimise.ways(parse_study(STUDY), late) == []
 
 
 def test_what_has_no_line_or_is_no_search_has_no_wider_choice():

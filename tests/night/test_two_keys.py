@@ -11,7 +11,7 @@ CALLS = count(60, 2000, "VIBRAFEED_FUZZ_CASES")
 
 def test_random_calls_of_both_tell_nothing_of_the_other():
     with served(workers=1) as server:
-        keys = make_keys(server.address, server.data)  # while it runs
+        keys = make_keys(server)  # while it runs
         assert set(keys) == {STRICT, LIMITED}
-        found = play(server.address, keys, CALLS, seed=5)
+        found = play(server, keys, CALLS, seed=5)
     assert not found.wrong, found.wrong[:5]

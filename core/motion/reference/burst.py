@@ -1,8 +1,9 @@
 """A drive that begins and ends: from rest, some periods long, until the part rests again.
 
 The acceleration of the drive acts from phase 0 on, that of a plain sine from 90 degrees on, where
-the track turns: so the track starts at rest and is at rest after whole periods. Part and events are
-those of the reference; afterwards the same laws act on a track at rest.
+the track turns: so the track starts at rest and is at rest after whole periods. A recording that is
+followed as it is, is one such period. Part and events are those of the reference; afterwards the
+same laws act on a track at rest.
 """
 
 import math
@@ -13,7 +14,6 @@ from numpy.typing import NDArray
 from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import (
-    TIME,
     Burst,
     Contacts,
     Groups,
@@ -24,6 +24,7 @@ from vibrafeed.core.motion.method import (
     each,
     groups_of,
 )
+from vibrafeed.core.motion.record import Record
 from vibrafeed.core.motion.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, X, Z
 from vibrafeed.core.motion.reference.part import STOPPED, FailedError, Part
 from vibrafeed.core.motion.waves import ALONG, NORMAL, TURN, position_at, velocity_at
@@ -56,20 +57,20 @@ class _Stopping(Part):
         return self.on_floor and bool(np.all(np.abs(self.state[[UX, UY, UZ]]) <= STOPPED))
 
 
-def begins_at(groups: Groups) -> float:
-    """Return the phase of the drive at which a burst begins [rad]."""
-    return math.pi / 2 if groups.wave is None else 0.0
-
-
 def follow_burst(
-    groups: Groups, contacts: Contacts, periods: int, watch: Watch, at: Array = NO_PHASES
+    groups: Groups,
+    contacts: Contacts,
+    periods: int,
+    watch: Watch,
+    record: Record | None,
+    at: Array = NO_PHASES,
 ) -> tuple[float, float, Array]:
     """Return travel and coasting of one part, as in `Burst`, and its states.
 
     The states, shape (n, 7), are those at phases `at` since the start, shape (n,), ascending.
     """
-    start = begins_at(groups)
-    part = _Stopping(ReferenceLaws(groups, contacts), np.zeros(7), watch=watch)
+    start = math.pi / 2 if groups.wave is None and record is None else 0.0
+    part = _Stopping(ReferenceLaws(groups, contacts, record=record), np.zeros(7), watch=watch)
     part.phase = start
     rows, phases = np.full((at.size, 7), np.nan), start + at
     part.advance(start + periods * TURN, phases, rows)
@@ -99,11 +100,16 @@ def held(groups: Groups) -> bool:
 
 
 def burst_by_reference(
-    groups: Groups, contacts: Contacts, *, burst_periods: Array, watch: Watch | None = None
+    groups: Groups,
+    contacts: Contacts,
+    *,
+    burst_periods: Array,
+    record: Record | None = None,
+    watch: Watch | None = None,
 ) -> Burst:
     """Return the way of parts from rest under a drive of some periods, theory 13.9.
 
-    For single points: a cell takes some milliseconds for a period.
+    For single points: a cell takes some milliseconds for a period, and for a sample of a `record`.
     """
     watch = watch or Watch()
     rows, shape = cells_of(groups, periods=burst_periods)
@@ -111,7 +117,7 @@ def burst_by_reference(
     table = np.full((len(rows), 2), np.nan)
     for cell, part in enumerate(each(whole)[0]):
         try:
-            table[cell] = follow_burst(part, contacts, round(periods[cell]), watch)[:2]
+            table[cell] = follow_burst(part, contacts, round(periods[cell]), watch, record)[:2]
         except FailedError:
             continue
         except StoppedError:
@@ -120,24 +126,27 @@ def burst_by_reference(
     return Burst(*(column.reshape(shape) for column in table.T))
 
 
-def burst_trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+def burst_trajectory(
+    asked: TrajectoryRequest, contacts: Contacts, *, record: Record | None = None
+) -> Trajectory:
     """Return the trajectory of one part in a burst, until it rests or at the asked times."""
     groups, periods = asked.groups, round(asked.known["burst_periods"].item())
-    times, phases = asked.times()
+    length = asked.scale("length_scale")
+    unit = length / asked.scale("velocity_scale")  # of time [s]
     if isinstance(asked.samples, int):
         lasts = periods * TURN + float(np.nan_to_num(asked.known["burst"].coasting.item()))
-        phases = np.linspace(0.0, lasts, asked.samples + 1)
-        times = phases * asked.scale("length_scale") / asked.scale("velocity_scale")
-    rows = follow_burst(groups, contacts, periods, asked.watch, phases)[2]
+        asked = asked._replace(samples=(*np.linspace(0.0, unit * lasts, asked.samples + 1),))
+    phases = asked.times()[1]
+    rows = follow_burst(groups, contacts, periods, asked.watch, record, phases)[2]
     moved = asked.trajectory(
         Path(phases, rows[:, :UX], rows[:, UX:SPIN]), _modes(rows), contacts.wall
     )
-    ends, length = np.minimum(phases, periods * TURN), asked.scale("length_scale")
+    ends = np.minimum(phases, periods * TURN)
     track = {
-        name: length * _track(groups, axis, ends)
+        name: length * _track(groups, record, axis, ends)
         for name, axis in (("track_along", ALONG), ("track_normal", NORMAL))
     }
-    return {**moved, TIME: times, **track}
+    return {**moved, **track}
 
 
 def _modes(rows: Array) -> NDArray[np.int8]:
@@ -150,8 +159,10 @@ def _modes(rows: Array) -> NDArray[np.int8]:
     return names.astype(np.int8)
 
 
-def _track(groups: Groups, axis: int, phases: Array) -> Array:
+def _track(groups: Groups, record: Record | None, axis: int, phases: Array) -> Array:
     # Displacement of the track since it started from rest, in g/w^2.
+    if record is not None:
+        return groups.drive[axis] * record.moved(axis, phases, 2)
     if groups.wave is None:
         return np.asarray(groups.drive[axis] * (np.cos(phases) - 1.0))
     before = position_at(groups.wave, axis, 0.0) + velocity_at(groups.wave, axis, 0.0) * phases

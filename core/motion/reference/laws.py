@@ -20,6 +20,7 @@ import numpy as np
 
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.method import Contacts, Groups, Numbers
+from vibrafeed.core.motion.record import Ramp, Record
 from vibrafeed.core.motion.waves import ALONG, ENDS, TURN, step_speeds
 
 SOON = 1e-6
@@ -167,18 +168,21 @@ class ReferenceLaws:
         Of one part, as plain numbers.
     contacts : Contacts
         What it can touch.
-    drive : Sine or Piece, optional
+    drive : Sine, Piece or Ramp, optional
         The drive, as far as it is smooth; of a wave in steps its first piece.
+    record : Record, optional
+        The drive of a recording, in place of that of the groups.
     """
 
     def __init__(
         self,
         groups: Groups,
         contacts: Contacts,
-        drive: Sine | Piece | None = None,
+        drive: Sine | Piece | Ramp | None = None,
+        record: Record | None = None,
     ) -> None:
-        self.groups, self.contacts = groups, contacts
-        self.drive = drive or next(pieces(groups, 0.0, TURN))[0]
+        self.groups, self.contacts, self.record = groups, contacts, record
+        self.drive = drive or next(self._drives(0.0, TURN))[0]
         self.response = 1.0 + contacts.rolling
 
     def pieces(self, begin: float, end: float) -> "Iterator[tuple[ReferenceLaws, float]]":
@@ -186,8 +190,13 @@ class ReferenceLaws:
 
         From phase `begin` to `end` in rad; each laws object has the drive that is smooth there.
         """
-        for drive, reached in pieces(self.groups, begin, end):
-            yield ReferenceLaws(self.groups, self.contacts, drive), reached
+        for drive, reached in self._drives(begin, end):
+            yield ReferenceLaws(self.groups, self.contacts, drive, self.record), reached
+
+    def _drives(self, begin: float, end: float) -> Iterator[tuple[Sine | Piece | Ramp, float]]:
+        if self.record is None:
+            return pieces(self.groups, begin, end)
+        return self.record.pieces(self.groups.drive, begin, end)
 
     def free(self, phase: Numbers, ux: Numbers) -> tuple[Numbers, Numbers, Numbers]:
         """Return the acceleration of a free part relative to the track in g (theory 13.1).

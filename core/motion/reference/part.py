@@ -235,7 +235,7 @@ class Part:
         if asked is not None and rows is not None:
             rows[asked <= self.phase] = self.state
         wave = self.laws.groups.wave
-        jumps = wave is not None and wave.steps.shape[1] > 0
+        jumps = self.laws.record is not None or (wave is not None and wave.steps.shape[1] > 0)
         for laws, reached in self.laws.pieces(self.phase, end):
             self.laws, self.until = laws, reached if jumps else math.inf
             self.smoothly(reached, asked, rows)

@@ -247,3 +247,15 @@ def test_pictures_of_motion():
         assert Path(name).stat().st_size > 10_000
     run("plot study.nc -o x.svg --title 'Hop by hop' --units m/min --dark --small")
     assert "#15181d" in Path("x.svg").read_text()
+
+
+def test_studies_that_are_right_run_although_others_are_wrong(here):
+    saved(SWEEP, "a.toml")
+    saved(SWEEP.replace("50 Hz", "50 kg"), "b.toml")
+    saved(POINT, "c.toml")
+    run("run a.toml b.toml c.json", code=2)
+    assert not list(here.glob("*.nc"))
+    run("run b.toml --keep-going", code=2)
+    tells("run a.toml b.toml c.json --keep-going --dry-run", "10 cells", "'kg' does", code=2)
+    tells("run a.toml b.toml c.json --keep-going", "b.toml: error: 1 problem", code=2)
+    assert sorted(path.name for path in here.glob("*.nc")) == ["a.nc", "c.nc"]

@@ -18,7 +18,6 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from benchmarks import quantities_page
 from local_client import client_of, local_client
 from posted_sweeps import STUDY, problem
 from vibrafeed.app.web import calculations
@@ -34,6 +33,7 @@ from vibrafeed.core.quantities.pictures import INKS, colour_of
 from vibrafeed.core.scenes import SCENES
 
 ROOT = Path(__file__).parents[4]
+WRITTEN = {f"generated/{name}.md" for name in ("kinds", "mistakes", "quantities")}  # with the site
 PATH = "/processes/simulate/execution"
 SIMULATION = {
     "kind": "simulate",
@@ -55,7 +55,6 @@ def posted(client: TestClient) -> str:
 
 class TestDocuments:
     def test_the_pages_keep_up_with_the_code(self, client, without_studies):
-        assert quantities_page.PAGE.read_text(encoding="utf-8") == quantities_page.page()
         text = (ROOT / "docs/api.md").read_text()
         for path, methods in client.app.openapi()["paths"].items():
             for method in methods:
@@ -67,7 +66,7 @@ class TestDocuments:
     def test_links_between_documents_hold(self):
         for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")):
             for target in re.findall(r"\]\(([^)#]+)\)", path.read_text()):
-                if not target.startswith("http"):
+                if not target.startswith("http") and target not in WRITTEN:
                     assert (path.parent / target).exists(), f"{path.name}: {target}"
 
     @pytest.mark.parametrize("root", ["", "/vibrafeed"])

@@ -585,3 +585,29 @@ def test_head_of_a_file_that_is_not_made_computes_nothing(client, monkeypatch):
     made = client.get(path)
     assert made.headers["content-type"] == head.headers["content-type"]
     assert client.head(path).headers["etag"] == made.headers["etag"]
+
+
+def test_designs_are_posted_as_rows_or_lists(client):
+    """As `/sweeps`, and as a process of each kind; the values are those of single designs."""
+    rows = [{"frequency": 50, "amplitude": "0.3 mm"}, {"frequency": 40, "amplitude": "0.2 mm"}]
+    study = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["throw_number"],
+             "parameters": {"beta": 20}}  # fmt: skip
+    posted = client.post("/sweeps", json={**study, "designs": rows}).json()
+    assert posted["axes"] == [{"name": "design", "unit": "1", "size": 2}]
+    found = client.get(
+        posted["links"]["slice"], params={"output": "throw_number", "axes": "design"}
+    ).json()
+    lists = {"frequency": [50, 40], "amplitude": ["0.3 mm", "0.2 mm"]}
+    zipped = {**study, "parameters": {**study["parameters"], **lists},
+              "designs": {"zip": ["frequency", "amplitude"]}}  # fmt: skip
+    assert client.post("/sweeps", json=zipped).json()["id"] == posted["id"]
+    each = [run_study(parse_study({**study, "parameters": {"beta": 20, **row}})) for row in rows]
+    assert found["values"]["data"] == [float(one.throw_number) for one in each]
+    best = {
+        "kind": "optimise", "scene": "rectangle-on-plane", "variant": "thesis", "designs": rows,
+        "criterion": {"kind": "maximise"}, "parameters": {"friction": 0.3},
+    }  # fmt: skip
+    reply = client.post("/processes/optimise/execution", json=best)
+    assert reply.is_success
+    refused = client.post("/sweeps", json={**study, "designs": {"file": "designs.csv"}})
+    assert problem(refused, 422)["errors"][0]["place"] == "designs.file"

@@ -46,6 +46,103 @@ def runs(friction, amplitudes, error=3e-4):
     ]  # fmt: skip
 
 
+# --- a drive unit
+
+
+UNIT = {"moving_mass": 10, "base_mass": 30}
+FREQUENCIES = [40.0, 44.0, 47.0, 50.0, 52.0, 54.0, 56.0, 60.0]
+
+
+@pytest.mark.parametrize("stiffness", ["ring_down_frequency", "spring_stiffness"])
+def test_amplitudes_over_frequency_give_force_stiffness_and_damping(stiffness):
+    truth = {"drive_force": 100.0, stiffness: 53.0, "damping_ratio": 0.02}
+    if stiffness == "spring_stiffness":
+        truth[stiffness] = 8e5
+    scene = {"scene": "linear-drive-unit", **UNIT}
+    variant = "measured" if stiffness == "ring_down_frequency" else "springs"
+    found = vibrafeed.sweep(
+        **scene, **truth, variant=variant, frequency=FREQUENCIES, outputs=["track_amplitude"]
+    )
+    noise = 1.0 + 0.02 * np.random.default_rng(0).standard_normal(len(FREQUENCIES))
+    amplitudes = (found.track_amplitude.values * noise).tolist()
+    told = vibrafeed.calibrate(
+        **scene,
+        observations={"frequency": FREQUENCIES, "track_amplitude": amplitudes, "error": "2 %"},
+        unknowns={name: {"lower": 0.7 * one, "upper": 1.4 * one} for name, one in truth.items()},
+        points=4_000,
+    )
+    for name, value in truth.items():
+        away = float(told[f"best_{name}"]) - value
+        assert abs(away) < 3.0 * float(told[f"deviation_{name}"]) < 0.2 * value
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"method": "events"}, "method: a drive unit has closed forms alone"),
+        ({"observations": [{"frequency": 50, "track_amplitude": 1e-4, "regime": "hops"}]},
+         "observations row 1, regime: a drive unit has no part to be seen"),
+        ({"observations": [{"frequency": 50, "conveying_velocity": 0.1}]},
+         "observations: a drive unit has no conveying_velocity. Give track_amplitude"),
+        ({"parameters": {**UNIT, "amplitude": 1e-3}}, "amplitude is computed from the drive unit"),
+    ],
+)  # fmt: skip
+def test_what_is_no_calibration_of_a_unit_is_refused(change, words):
+    content = {
+        **study([{"frequency": 50, "track_amplitude": 1e-4}], error="2 %"),
+        "scene": "linear-drive-unit",
+        "parameters": {**UNIT, "ring_down_frequency": 50, "damping_ratio": 0.02},
+        "unknowns": {"drive_force": {"lower": 50, "upper": 200}},
+        **change,
+    }
+    with pytest.raises(StudyError) as caught:
+        prepare_content(content)
+    assert words in str(caught.value)
+
+
+FORCE = {"drive_force": {"lower": 50, "upper": 200}}
+
+
+@pytest.fixture(scope="module")
+def amplitudes():
+    """Return amplitudes of a unit with 100 N, of which the fourth is read wrong by a half."""
+    found = vibrafeed.sweep(
+        scene="linear-drive-unit", variant="measured", **UNIT, ring_down_frequency=53,
+        damping_ratio=0.02, drive_force=100, frequency=FREQUENCIES, outputs=["track_amplitude"],
+    ).track_amplitude.values  # fmt: skip
+    found *= 1.0 + 0.02 * np.random.default_rng(1).standard_normal(len(FREQUENCIES))
+    found[3] *= 1.5
+    return found.tolist()
+
+
+@pytest.mark.parametrize("errors", [{}, {"error": "2 %"}])
+def test_the_run_that_does_not_fit_is_named_and_counts_little_if_errors_have_tails(
+    amplitudes, errors
+):
+    rows = {"frequency": FREQUENCIES, "track_amplitude": amplitudes, **errors}
+    unit = {**UNIT, "ring_down_frequency": 53, "damping_ratio": 0.02}
+    told = {
+        likelihood: vibrafeed.calibrate(
+            scene="linear-drive-unit", **unit, observations=rows, unknowns=FORCE, points=1_000,
+            likelihood=likelihood,
+        )
+        for likelihood in ("normal", "student_t")
+    }  # fmt: skip
+    for one in told.values():
+        (sentence,) = [line for line in one.findings.splitlines() if "does not fit" in line]
+        assert sentence.startswith("Run 4 does not fit: it is ")
+        without = float(sentence.split("drive_force is ")[1].split(" N")[0])
+        assert without == pytest.approx(100.0, abs=3.0)
+    away = [abs(float(one.best_drive_force) - 100.0) for one in told.values()]
+    assert away[1] < min(3.0, 0.5 * away[0])
+    good = [*amplitudes[:3], amplitudes[3] / 1.5, *amplitudes[4:]]
+    rows = {**rows, "track_amplitude": good}
+    one = vibrafeed.calibrate(
+        scene="linear-drive-unit", **unit, observations=rows, unknowns=FORCE, points=1_000
+    )
+    assert "does not fit" not in one.findings
+
+
 # --- the measured set
 
 
@@ -352,7 +449,7 @@ def test_a_study_as_a_whole_is_told_all_its_problems():
         "observations row 2, amplitude: other runs have amplitude",
         "observations row 2, error: other runs have an error",
         "observations row 3: the run in row 3 of the observations has no measured value",
-        "parameters.frequency: frequency stands in the parameters and in the observations",
+        "parameters.frequency: frequency is in the parameters and in the observations",
         "unknowns.beta: beta is unknown, and given in the parameters",
         "offsets.alpha: there is no alpha among",
         "candidates.beta: all runs share it",

@@ -13,6 +13,7 @@ import pytest
 
 from night import spread
 from recordings import signal_of
+from refusals import words_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.intake.sections import read_rows
@@ -52,9 +53,7 @@ def is_true(fit):
 
 def refused(text, recording=AX_AZ):
     """Return the problems of a recording, as a user reads them."""
-    with pytest.raises(StudyError) as caught:
-        fit_drive(text, recording)
-    return str(caught.value)
+    return words_of(fit_drive, text, recording)
 
 
 # --- times

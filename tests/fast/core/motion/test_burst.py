@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 import vibrafeed
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.kinds import tabulate
 
 G = 9.81
 PERIOD = 0.02
@@ -125,3 +128,87 @@ def test_a_trajectory_at_times_goes_on_in_rest():
         [0, -2e-4 * np.cos(np.pi / 6), 0, 0], abs=1e-12
     )
     assert found.motion_mode.values[-1] == 0
+
+
+# --- a recording as it is
+
+
+def recording(times, **columns):
+    heads = ["time [s]", *(f"{name} [{'m/s' if name == 'v' else 'm/s^2'}]" for name in columns)]
+    rows = np.stack([times, *columns.values()], axis=1).tolist()
+    return "\n".join([",".join(heads), *(",".join(map(repr, row)) for row in rows)])
+
+
+def once(columns, **more):
+    drive = {"once": True, **columns}
+    fixed = {"scene": "rectangle-on-plane", "gravity": G, "outputs": OUTPUTS, **FRICTION}
+    return vibrafeed.simulate(**{**fixed, "drive": drive, **more})
+
+
+@pytest.fixture(scope="module")
+def saw():
+    """The velocity of the track under FAST_FIRST for ten periods, with a drift of 1 m/s^2."""
+    times = PERIOD / 12 * np.arange(121)
+    within = np.mod(np.arange(121), 12) / 12
+    speeds = 0.4 * G * PERIOD * np.where(within < 1 / 6, -5 * within, within - 1) * (within > 0)
+    return {"data": recording(times, v=speeds + times), "along": "v"}
+
+
+def test_a_recording_of_velocities_is_the_drive_that_it_shows(saw):
+    found = once(saw)
+    assert 1e3 * float(found.burst_displacement) == pytest.approx(3.176571429, abs=1e-8)
+    assert float(found.burst_coasting_time) == pytest.approx(0, abs=1e-9)
+    assert "without its mean acceleration, along 1 m s-2, " in found.attrs["drive"]
+    assert float(found.frequency) == pytest.approx(1 / (10 * PERIOD))
+    again = tabulate(prepare_content(json.loads(found.attrs["study"]))).to_xarray()
+    assert float(again.burst_displacement) == float(found.burst_displacement)
+
+
+def test_a_recording_may_repeat_and_its_trajectory_goes_on_to_the_rest(saw):
+    found = once(saw, burst_periods=2, trajectory=50)
+    assert 1e3 * float(found.burst_displacement) == pytest.approx(2 * 3.176571429, abs=1e-8)
+    assert found.position_along.values[-1] == float(found.burst_displacement)
+    # 0.4 g for 5/6 of a period, and back: the track goes back by this, twenty times.
+    stroke = -0.5 * 0.4 * G * (5 * PERIOD / 6) * PERIOD
+    assert found.track_along.values[-1] == pytest.approx(20 * stroke, rel=1e-8)
+
+
+def test_a_recording_of_accelerations_is_as_good_as_its_samples():
+    # A hopping part in a curve; the sensor shows gravity, too.
+    drive = {"amplitude_along_1": 3e-4, "amplitude_normal_1": 1.2e-4, "phase_normal_1": -70}
+    curve = {"scene": "rectangle-on-track", "radius": 0.15, "delta": 5}
+    phases = np.linspace(0, 6 * np.pi, 241)
+    w = 2 * np.pi / PERIOD
+    along = -3e-4 * w**2 * np.sin(phases)
+    normal = -1.2e-4 * w**2 * np.sin(phases - np.deg2rad(70)) + G
+    data = recording(phases / w, x=along, z=normal)
+    asked = {"restitution": 0.1, "outputs": OUTPUTS, **curve, **FRICTION}
+    exact = vibrafeed.simulate(frequency=50, gravity=G, burst_periods=3, **drive, **asked)
+    found = once({"data": data, "along": "x", "normal": "z"}, **asked)
+    for name in OUTPUTS:
+        assert float(found[name]) == pytest.approx(float(exact[name]), rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("drive", "more", "place", "told"),
+    [
+        ({}, {"outputs": ["conveying_velocity"]}, "outputs", "burst_displacement"),
+        ({}, {"scene": "part-on-plate"}, "drive.once", "rectangle-on-track"),
+        ({}, {"amplitude": 1e-4}, "parameters.amplitude", "Remove"),
+        ({}, {"verify": 1}, "verify", "Leave it out"),
+        ({"harmonics": 2}, {}, "drive.harmonics", "Leave it out"),
+        ({"unit": "mm"}, {}, "drive.once", "velocities"),
+    ],
+)
+def test_what_no_recording_that_is_followed_once_has_is_told(saw, drive, more, place, told):
+    with pytest.raises(StudyError) as caught:
+        once({**saw, **drive}, **more)
+    (problem,) = caught.value.problems
+    assert (problem.place, told in problem.fix) == (place, True)
+
+
+def test_other_kinds_need_a_drive_that_repeats(saw):
+    study = {"kind": "optimise", "scene": "rectangle-on-plane", "criterion": {"kind": "maximise"}}
+    with pytest.raises(StudyError) as caught:
+        prepare_content({**study, "parameters": FRICTION, "drive": {**saw, "once": True}})
+    assert "drive.once" in [problem.place for problem in caught.value.problems]

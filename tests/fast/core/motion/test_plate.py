@@ -19,8 +19,6 @@ CIRCLE = {
     "amplitude_across_1": "0.1 mm",
 }  # fmt: skip
 BOUNCE = {"amplitude_normal_1": "0.05 mm", "phase_normal_1": 20}
-LIMITS = {0.25: 0.2425883093445, 0.5: 0.4483557008325, 1.0: 0.719171039215}
-"""c(G): speed over A w of a circle whose load is 1 + G cos, for weak friction (30 digits)."""
 
 
 def on_plate(*outputs: str, **given):
@@ -37,33 +35,18 @@ def groups(harmonics, slope=(0.0, 0.0), restitution=0.0) -> Groups:
     return Groups(along, normal, slope[0], 1.0, 0.3, 0.25, restitution, across, slope[1], wave=wave)
 
 
-def follow(part: Groups, method: str = "events"):
-    """Return velocity (2,) and stated error in g/w, status."""
-    chosen = plate.METHODS[method]
+def follow(part: Groups):
+    """Return the velocity, shape (2,), in g/w."""
+    chosen = plate.METHODS["events"]
     settings = {name: np.asarray(value) for name, value in chosen.defaults.items()}
     motion = chosen.follow(groups=part, contacts=Contacts(), **settings)
-    return np.array([motion.velocity, motion.across]), float(motion.error), int(motion.status)
+    return np.array([motion.velocity, motion.across])
 
 
 def turn(vector, angle):
     c, s = np.cos(angle), np.sin(angle)
     x, y = vector[:2]
     return np.array([c * x - s * y, s * x + c * y])
-
-
-@pytest.mark.parametrize("ratio", LIMITS)
-def test_weak_friction_on_a_circle_tends_to_the_geometric_median(ratio):
-    scale = 9.80665 / (100 * np.pi) ** 2
-    off = []
-    for weak in (0.01, 0.005):
-        found = on_plate(
-            "travel_speed", frequency=50, friction=weak * 1e-3 / scale, amplitude_along_1=1e-3,
-            phase_along_1=90, amplitude_across_1=1e-3,
-            amplitude_normal_1=ratio * scale * (1 - 1e-9), phase_normal_1=40,
-        )  # fmt: skip
-        off.append(float(found.travel_speed) / (0.1 * np.pi) - LIMITS[ratio])
-    assert abs(off[0]) < 1e-4
-    assert off[0] / off[1] == pytest.approx(4.0, rel=0.1)  # with the square of the friction
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.4])
@@ -74,15 +57,9 @@ def test_a_turned_drive_turns_the_velocity(restitution):
         slope = rng.uniform(-0.02, 0.02, 2)
         turned = pushes.copy()
         turned[:2] = turn(pushes, angle)
-        here, _, _ = follow(groups(pushes, slope, restitution))
-        there, _, _ = follow(groups(turned, turn(slope, angle), restitution))
+        here = follow(groups(pushes, slope, restitution))
+        there = follow(groups(turned, turn(slope, angle), restitution))
         assert np.abs(there - turn(here, angle)).max() < 1e-11
-
-
-def test_a_bounce_half_a_period_later_reverses_the_velocity():
-    there, back = (on_plate(**CIRCLE, **BOUNCE | {"phase_normal_1": at}) for at in (20, 200))
-    assert velocity(there) == pytest.approx(-velocity(back), rel=1e-9)
-    assert np.hypot(*velocity(there)) > 0.01
 
 
 @pytest.mark.parametrize("azimuth", [0, 30, 90, 135, -120])
@@ -125,15 +102,6 @@ def test_towards_is_the_component_of_the_velocity():
     assert found.velocity_towards.values == pytest.approx([x, (x + y) / np.sqrt(2), y], rel=1e-12)
 
 
-def test_events_and_reference_agree_in_both_components():
-    rng = np.random.default_rng(7)
-    for _ in range(2):
-        pushes = rng.uniform(-1, 1, (3, 2, 1)) * np.array([1.0, 1.0, 0.4])[:, None, None]
-        part = groups(pushes)
-        (ours, error, _), (theirs, stated, _) = follow(part), follow(part, "reference")
-        assert np.abs(ours - theirs).max() <= error + stated
-
-
 def test_a_trajectory_is_a_path_in_the_plane():
     found = on_plate(*VELOCITY, **CIRCLE, **BOUNCE, trajectory=50)
     seconds = float(found.cycle_time[-1])
@@ -143,18 +111,6 @@ def test_a_trajectory_is_a_path_in_the_plane():
         assert moved[-1] == pytest.approx(float(found[along]) * seconds, rel=1e-6)
         swing = found[f"track_{name}"].values
         assert np.ptp(swing) == pytest.approx(2e-4, rel=0.01)
-
-
-def test_a_turn_moves_a_place_by_its_arm():
-    arm = 0.08  # m
-    turn = {"amplitude_yaw_1": np.degrees(1e-4 / arm), "phase_yaw_1": 0.0}
-    here = on_plate(**{**CIRCLE, **BOUNCE} | {"amplitude_across_1": 0.0}, **turn, position_x=arm)
-    assert velocity(here) == pytest.approx(velocity(on_plate(**CIRCLE, **BOUNCE)), rel=1e-9)
-    tilt = {"amplitude_tilt_x_1": np.degrees(5e-5 / arm), "phase_tilt_x_1": 20}
-    there = on_plate(**CIRCLE, **tilt, position_y=arm)
-    assert velocity(there) == pytest.approx(velocity(on_plate(**CIRCLE, **BOUNCE)), rel=1e-9)
-    opposite = on_plate(**CIRCLE, **tilt, position_y=-arm)
-    assert velocity(opposite) == pytest.approx(-velocity(there), rel=1e-9)
 
 
 def test_turns_belong_to_a_plate_alone():

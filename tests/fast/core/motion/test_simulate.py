@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mean_velocities import MEAN_VELOCITIES
+from refusals import told_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study, tabulate
@@ -40,9 +41,7 @@ def run(**changes):
 
 
 def problems(**changes) -> dict[str, str]:
-    with pytest.raises(StudyError) as caught:
-        prepare_content(study(**changes))
-    return {p.place: f"{p.message}. {p.fix}" for p in caught.value.problems}
+    return told_of(prepare_content, study(**changes))
 
 
 # --- methods
@@ -248,9 +247,9 @@ def test_everything_is_told_at_once():
 def test_settings_and_courses_are_told_beside_all_else():
     found = problems(
         method="reference", tolerance=1e-4, trajectory=10,
-        parameters={"friction": [0.1, 0.2], "alpha": 3, "frequency": 0, "mass": 3},
+        parameters={"friction": [0.1, 0.2], "alpha": 3, "frequency": 0, "radius": 3},
     )  # fmt: skip
-    assert set(found) == {"tolerance", "trajectory", "parameters.frequency", "parameters.mass"}
+    assert set(found) == {"tolerance", "trajectory", "parameters.frequency", "parameters.radius"}
 
 
 GONE = "is not a key of kind 'simulate'. Remove it: its method is gone, and 'events' is exact"

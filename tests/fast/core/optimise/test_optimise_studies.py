@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import vibrafeed
 from benchmarks.best_wave import motions, steps, study
-from vibrafeed.core.errors import StudyError
+from refusals import told_of
 from vibrafeed.core.intake import load_study, parse_json, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.optimise.optima import designs_of
@@ -37,9 +38,7 @@ def content(**change):
 
 
 def problems(**change) -> dict[str, str]:
-    with pytest.raises(StudyError) as caught:
-        prepare_content(content(**change))
-    return {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
+    return told_of(prepare_content, content(**change))
 
 
 def test_all_mistakes_are_told_at_once():
@@ -200,8 +199,34 @@ def test_the_worst_case_is_that_of_every_value_by_itself() -> None:
     ],
 )  # fmt: skip
 def test_what_is_said_of_wrong_drives(changes, problems) -> None:
-    with pytest.raises(StudyError) as caught:
-        prepare_content(study(variables=steps(3)) | changes)
-    told = {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
+    told = told_of(prepare_content, study(variables=steps(3)) | changes)
     assert told.keys() == problems.keys()
     assert all(words in told[place] for place, words in problems.items())
+
+
+@pytest.mark.parametrize(("target", "distance"), [(0.8, 0.0), (9.0, None)])
+def test_a_target_is_reached_or_approached(target, distance):
+    """Gamma = A w^2 sin(beta)/g; the target beyond the bounds is approached at their end."""
+    found = vibrafeed.optimise(
+        scene="rectangle-on-plane", frequency=50, amplitude="0.3 mm", floor_contact=False,
+        criterion={"kind": "reach", "output": "throw_number", "target": target},
+        variables={"beta": {"lower": 1, "upper": 60}},
+    )  # fmt: skip
+    largest = 3e-4 * (100.0 * np.pi) ** 2 / 9.80665
+    beta = 60.0 if distance is None else np.degrees(np.arcsin(target / largest))
+    distance = target - largest * np.sin(np.radians(beta)) if distance is None else distance
+    assert float(found.best_beta) == pytest.approx(beta, rel=1e-6)
+    assert float(found.objective) == pytest.approx(distance, abs=1e-9)
+    assert "throw_number nearest to" in found.objective.comment
+
+
+def test_a_target_is_read_in_the_unit_of_its_output():
+    content = {
+        "kind": "optimise", "scene": "rectangle-on-plane",
+        "criterion": {"kind": "reach", "target": "80 mm/s"},
+        "variables": {"beta": {"lower": 1, "upper": 60}},
+        "parameters": {"frequency": 50, "amplitude": "0.3 mm", "friction": 0.3},
+    }  # fmt: skip
+    assert prepare_content(content).study.criterion.target == 0.08
+    with pytest.raises(StudyError, match="'kg' does not measure conveying velocity"):
+        prepare_content({**content, "criterion": {"kind": "reach", "target": "80 kg"}})

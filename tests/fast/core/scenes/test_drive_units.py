@@ -377,6 +377,38 @@ def best(**more):
     return vibrafeed.optimise(**keys, parameters=given)
 
 
+MEASURED = {"measured_voltage": "150 V", "measured_amplitude": "0.15 mm", "measured_frequency": 48}
+TURNING = {
+    **LINEAR, "variant": "measured_turning", "ring_down_frequency": 53, "moving_inertia": 0.3,
+    "base_inertia": 1, "offset_along": 0.05, "offset_upward": 0.1, "spot_along": 0.1,
+    "spring_angle": 20,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", [RUNG, TURNING, {**BOWL, "radius": 0.2, "measured_radius": 0.2}])
+def test_a_voltage_gives_the_force_from_one_measured_amplitude(unit):
+    """The unit has the measured amplitude there, and another with a load and elsewhere."""
+    unit = {name: value for name, value in unit.items() if name != "drive_force"} | MEASURED
+    at = {**unit, "frequency": 48}
+    for voltage, exponent, amplitude in ((150, {}, 0.15e-3), (180, {}, 0.216e-3),
+                                         (180, {"force_exponent": 1}, 0.18e-3)):  # fmt: skip
+        found = one(["track_amplitude"], **at, **exponent, drive_voltage=voltage)
+        assert found == [pytest.approx(amplitude, rel=1e-13)]
+    given = {name: value for name, value in unit.items() if not name.startswith("measured_")}
+    (there,) = one(["track_amplitude"], **unit, drive_voltage=150, load_mass=0.5)
+    (here,) = one(["track_amplitude"], **{**given, "frequency": 48}, drive_force=1)
+    (other,) = one(["track_amplitude"], **given, drive_force=1, load_mass=0.5)
+    assert there == pytest.approx(0.15e-3 * other / here, rel=1e-12)
+
+
+def test_a_voltage_alone_is_asked_for_its_measured_amplitude():
+    unit = {name: value for name, value in RUNG.items() if name != "drive_force"}
+    with pytest.raises(StudyError) as caught:
+        one(["track_amplitude"], **unit, drive_voltage=150)
+    places = [problem.place for problem in caught.value.problems]
+    assert places == [f"parameters.{name}" for name in MEASURED]
+
+
 def test_the_number_of_leaves_is_chosen_among_whole_numbers():
     """As the best of every single number; bounds that are none are those of the numbers between."""
     ends = {"base_mass": {"lower": 15, "upper": 60}}

@@ -101,6 +101,20 @@ def test_a_step_that_floats_miss_reaches_the_stop():
     assert radians.size == 11
 
 
+@pytest.mark.parametrize(
+    "ends",
+    [{"num": 3}, {"step": "10 Hz"}, {"num": 5, "spacing": "log"}, {"step": 7}],
+)
+def test_a_range_may_fall(ends):
+    """It has the values of the one that rises, backwards; a step that misses keeps its start."""
+    down = read_values("frequency", {"start": 40, "stop": "20 Hz", **ends}).array()
+    if ends == {"step": 7}:
+        assert down.tolist() == [40.0, 33.0, 26.0]
+        return
+    up = read_values("frequency", {"start": 20, "stop": 40, **ends}).array()
+    np.testing.assert_allclose(down, up[::-1], rtol=1e-15)
+
+
 def test_a_logarithmic_range_is_numpys():
     whole = geometrically(1e-9, 3e5, 77)
     assert whole.tobytes() == np.geomspace(1e-9, 3e5, 77).tobytes()

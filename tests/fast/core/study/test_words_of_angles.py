@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray
 
+from refusals import problems_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import (
     gather,
@@ -82,9 +83,7 @@ def in_words(study):
 
 
 def told(content):
-    with pytest.raises(StudyError) as caught:
-        prepare_content(content)
-    return [str(problem) for problem in caught.value.problems]
+    return [str(problem) for problem in problems_of(prepare_content, content)]
 
 
 @pytest.mark.parametrize("section", STUDIES)

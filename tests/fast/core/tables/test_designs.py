@@ -80,6 +80,50 @@ def test_motions_and_optima_take_designs():
         assert float(alone.conveying_velocity) == speed
 
 
+KINDS = {
+    "optimise": {
+        "variant": "thesis", "criterion": {"kind": "maximise", "output": "acceleration_x"},
+        "friction": [0.3, 0.4], "outputs": ["throw_number"],
+    },
+    "sensitivity": {
+        "beta": 20, "outputs": ["throw_number"], "samples": 256,
+        "uncertain": {"gamma": {"lower": 0, "upper": 2}},
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_other_kinds_take_designs(kind):
+    study, run = {"scene": "rectangle-on-plane", **KINDS[kind]}, getattr(vibrafeed, kind)
+    rows = [{"frequency": f, "amplitude": f"{a} mm"} for f, a in ROWS[:2]]
+    frequency, amplitude = np.array(ROWS[:2]).T
+    arrays = {"frequency": frequency, "amplitude": 1e-3 * amplitude}
+    arrays = {name: xarray.DataArray(one, dims="run") for name, one in arrays.items()}
+    both = run(**study, designs=rows), run(**study, **arrays)
+    for found in both:
+        assert found.frequency.dims == found.amplitude.dims == ("design",)
+        for number, row in enumerate(rows, 1):
+            xarray.testing.assert_allclose(
+                found.sel(design=number).drop_vars("design"), run(**study, **row), rtol=1e-12
+            )
+
+
+def test_designs_of_a_calibration_are_its_candidates():
+    runs = {"frequency": [45, 50, 55], "track_amplitude": [1e-4, 2e-4, 3e-4], "error": "5 %"}
+    study = {
+        "scene": "linear-drive-unit", "moving_mass": 10, "base_mass": 30, "points": 1_000,
+        "ring_down_frequency": 60, "damping_ratio": 0.02, "observations": {**runs, "load_mass": 0},
+        "unknowns": {"drive_force": {"lower": 10, "upper": 900}},
+    }  # fmt: skip
+    rows = [{"frequency": 50, "load_mass": 0}, {"frequency": 58, "load_mass": "1 kg"}]
+    found = vibrafeed.calibrate(**study, designs=rows)
+    assert found.information.dims == ("candidate_design",)
+    assert found.candidate_frequency.dims == ("candidate_design",)
+    grid = {"frequency": [50, 58], "load_mass": [0, 1]}
+    whole = vibrafeed.calibrate(**study, candidates=grid)
+    np.testing.assert_allclose(found.expected, np.diag(whole.expected), rtol=1e-12)
+
+
 @pytest.fixture(scope="module")
 def prepared():
     """Return a study of 500 designs of three parameters over two axes."""
