@@ -99,9 +99,9 @@ reader of 100 lines. `shown` answers are not judged one by one; the scatter of t
 
 WITHOUT = """\
 Sources: two-level waves, D. Quaid, 1999, and D. Yako, 2026; best level wave, P. Umbanhowar and K.
-M. Lynch, 2008 (the [proof](theory/best-drive.md) is ours); Winkler's wave, G. Winkler, 1978; drives far
-above friction, the principle of D. Reznik and J. Canny. Answers with `-r1.` in their name have
-random inputs and the value of the formula in `source`."""
+M. Lynch, 2008 (the [proof](theory/best-drive.md) is ours); Winkler's wave, G. Winkler, 1978;
+drives far above friction, the principle of D. Reznik and J. Canny. Answers with `-r1.` in their
+name have random inputs and the value of the formula in `source`."""
 
 ENGINES = """\
 ## Physics engines on the same problems

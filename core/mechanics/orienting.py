@@ -19,11 +19,16 @@ CERTAIN = 0.01
 
 
 class Aspect(NamedTuple):
-    """The size of a part as it lies: its height, and its sizes across and along the track [m]."""
+    """The size of a part as it lies: its height, and its sizes across and along the track [m].
+
+    Its centre of mass may be off the middle, across and along.
+    """
 
     height: Array
     across: Array
     along: Array
+    off_across: Array | float = 0.0
+    off_along: Array | float = 0.0
 
 
 class PassedShares(NamedTuple):
@@ -60,6 +65,25 @@ def box_aspects(*, length: Array, width: Array, height: Array) -> tuple[Aspect, 
     """Return the sizes of a box in each aspect: flat, on its side, on its end [m]."""
     sides = ((height, length, width), (width, length, height), (length, width, height))
     return tuple(Aspect(up, np.minimum(a, b), np.maximum(a, b)) for up, a, b in sides)
+
+
+def weighted_box_aspects(
+    *, length: Array, width: Array, height: Array, centre_of_mass: Array
+) -> tuple[Aspect, ...]:
+    """Return the sizes of a box with its mass off the middle of its height, in each aspect [m].
+
+    Flat, on its side, on its end, and inverted.
+    """
+    flat, *others = box_aspects(length=length, width=width, height=height)
+    off = np.abs(centre_of_mass - height / 2)
+    lying = [
+        one._replace(
+            off_across=np.where(height <= beside, off, 0.0),
+            off_along=np.where(height <= beside, 0.0, off),
+        )
+        for one, beside in zip(others, (length, width), strict=True)
+    ]
+    return flat, *lying, flat
 
 
 def cylinder_aspects(*, length: Array, diameter: Array) -> tuple[Aspect, ...]:
@@ -132,6 +156,14 @@ def product(first: Matrix, second: Matrix) -> Matrix:
     """
     places = range(len(first))
     return [[_sum([row[k] * second[k][j] for k in places]) for j in places] for row in first]
+
+
+def mean(matrices: Sequence[Matrix]) -> Matrix:
+    """Return the mean of the matrices of parts that lie either way round."""
+    if len(matrices) == 1:
+        return matrices[0]
+    places, share = range(len(matrices[0])), 1.0 / len(matrices)
+    return [[share * _sum([one[i][j] for one in matrices]) for j in places] for i in places]
 
 
 def _sum(terms: Sequence[Array]) -> Array:

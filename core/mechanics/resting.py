@@ -45,6 +45,30 @@ def box_centres(*, length: Array, width: Array, height: Array) -> Shares:
     return height / 2, width / 2, length / 2
 
 
+def weighted_box_shares(
+    *, length: Array, width: Array, height: Array, centre_of_mass: Array
+) -> Shares:
+    """Return the shares of let-down boxes whose mass is off the middle of their height [1].
+
+    Flat with the centre at the height z, on their side, on their end, and inverted with it at h -
+    z. The faces are seen from the centre as those of the lower half of a box of the height 2 z and
+    of the upper half of one of 2 (h - z).
+    """
+    below, above = (
+        box_shares(length=length, width=width, height=2 * apart)
+        for apart in (centre_of_mass, height - centre_of_mass)
+    )
+    sides, ends = (below[k] / 2 + above[k] / 2 for k in (1, 2))
+    return below[0] / 2, sides, ends, above[0] / 2
+
+
+def weighted_box_centres(
+    *, length: Array, width: Array, height: Array, centre_of_mass: Array
+) -> Shares:
+    """Return the heights of the centre: flat, on its side, on its end, inverted [m]."""
+    return centre_of_mass, width / 2, length / 2, height - centre_of_mass
+
+
 def cylinder_shares(*, length: Array, diameter: Array) -> Shares:
     """Return the shares of let-down cylinders that rest on their side, and on either end [1].
 
@@ -169,6 +193,33 @@ def box_depths(*, length: Array, width: Array, height: Array) -> Shares:
         _depth(height / 2, hypot(length, width) / 2),
         _depth(width / 2, hypot(length, height) / 2),
         _depth(length / 2, hypot(width, height) / 2),
+    )
+
+
+def weighted_box_depths(
+    *, length: Array, width: Array, height: Array, centre_of_mass: Array
+) -> Shares:
+    """Return the depths R - h of a box whose mass is off the middle of its height [m].
+
+    R is the distance of the centre from the farthest corner; aspects as of `weighted_box_centres`.
+    """
+    low, high = centre_of_mass, height - centre_of_mass
+    far, along, across = np.maximum(low, high), length / 2, width / 2
+    through = hypot(hypot(along, across), far)
+
+    def below(centre: Array, first: Array, second: Array, third: Array) -> Array:
+        # R^2 - h^2 as sum of squares, without what cancels.
+        return (first * first + second * second + third * third) / (through + centre)
+
+    def lifted(centre: Array) -> Array:
+        return np.sqrt((far - centre) * (far + centre))
+
+    zero = 0.0 * low
+    return (
+        below(low, along, across, lifted(low)),
+        below(across, along, far, zero),
+        below(along, across, far, zero),
+        below(high, along, across, lifted(high)),
     )
 
 

@@ -344,7 +344,7 @@ SAMPLED = 64
 """Most cells that are computed for a price."""
 MARGIN = 2.0
 """Factor on the measured time."""
-BUDGET, PATIENCE = 0.3, 4.0
+BUDGET, PATIENCE = 0.3, 20.0
 """Longest time of the processor that a round of the sample takes [s], and the longest by the clock
 over it, since others may use the core."""
 MORE = 4.0

@@ -83,7 +83,8 @@ RESTING: dict[str, Quantity] = {
     ),
     "centre_of_mass": length(
         "z_c", "Height of the centre of mass",
-        "Distance of the centre of mass from the end of diameter.", "8 mm",
+        "Distance of the centre of mass from the end of diameter; of a weighted box, its height "
+        "where that lies flat.", "8 mm",
     ),
     "radius_of_gyration": length(
         "k", "Radius of gyration",

@@ -107,7 +107,7 @@ CONSTRAINTS = tuple(
 NOT_OF_SHAPE = {
     (shape, "centre_of_mass"): (
         f"a {shape} has its mass in the middle, so that centre_of_mass is not used",
-        "Remove it. For a part whose mass is off the middle, count a drop test: scene "
+        'Remove it, or set variant = "weighted_box". Of other parts count a drop test: scene '
         '"orienting-line" takes drop_count_1, drop_count_2 and so on',
     )
     for shape in ("box", "prism")

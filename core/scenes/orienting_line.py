@@ -43,12 +43,15 @@ from vibrafeed.core.scenes.scene import (
 PASSES: dict[str, Callable[[Array, dict[str, Any], int], list[Mask]]] = {
     # A part that is no higher than the edge of the wiper.
     "wiper_height": lambda height, at, _: [one.height <= height for one in at["aspect_sizes"]],
-    # One that is longer than twice the gap: its centre is carried until its front has landed.
-    "gap_length": lambda gap, at, _: [one.along / 2 > gap for one in at["aspect_sizes"]],
+    # One whose front is farther from its centre than the gap is long: it is carried until its front
+    # has landed. `way` is 1 or -1 by the way round in which the part lies.
+    "gap_length": lambda gap, at, _: [
+        one.along / 2 + at["way"] * one.off_along > gap for one in at["aspect_sizes"]
+    ],
     # One whose centre is above the ledge, (w - a/2) + z tan(delta) > 0: a track that leans by delta
     # holds the part, of the size a across and with its centre at the height z, on the wall.
     "ledge_width": lambda width, at, _: [
-        width - one.across / 2 + centre * np.tan(at["delta"]) > 0
+        width - one.across / 2 + at["way"] * one.off_across + centre * np.tan(at["delta"]) > 0
         for one, centre in zip(at["aspect_sizes"], at["centre_heights"], strict=True)
     ],
     "passed_aspect": lambda passed, _, aspects: [passed == k for k in range(1, aspects + 1)],
@@ -121,11 +124,14 @@ class DeviceLine:
         How many aspects parts have.
     ordered : bool
         Whether the study says in which order they stand.
+    ways : tuple of float
+        Both ways round, 1 and -1, in which a part is as likely to lie; one if it does not matter.
     """
 
     devices: tuple[Device, ...]
     aspects: int
     ordered: bool
+    ways: tuple[float, ...] = (1.0,)
 
     def equation(self, gives: str, shares: str, source: str) -> Equation:
         """Return the equation of what passes of parts that arrive in these `shares`, a quantity."""
@@ -135,22 +141,31 @@ class DeviceLine:
         return Equation(gives, partial(self._passed, shares), source, needs=needs, says=says)
 
     def _passed(self, arriving: str, **values: Any) -> PassedShares:
-        matrices = [device.matrix(self.aspects, values) for device in self.devices]
+        by_way = [
+            [device.matrix(self.aspects, {**values, "way": way}) for device in self.devices]
+            for way in self.ways
+        ]
         outlets = [
             values[f"outlet_capacity_{device.place}"]
             if "outlet_capacity" in device.numbers
             else None
             for device in self.devices
         ]
-        shares, passed = values[arriving], orienting.unchanged(self.aspects)
+        shares = values[arriving]
         if self.ordered:
-            matrices, outlets = self._in_order(matrices, outlets, values["device_order"])
-        for matrix, outlet in zip(matrices, outlets, strict=True):
-            passed = orienting.product(passed, matrix)
+            sorted_ways = [self._in_order(one, outlets, values["device_order"]) for one in by_way]
+            by_way, outlets = [one for one, _ in sorted_ways], sorted_ways[0][1]
+        passed = [orienting.unchanged(self.aspects) for _ in self.ways]
+        for place, outlet in enumerate(outlets):
+            passed = [
+                orienting.product(one, matrices[place])
+                for one, matrices in zip(passed, by_way, strict=True)
+            ]
             if outlet is not None:
-                taken = orienting.outlet_share(shares, passed, values["arrival_rate"], outlet)
-                passed = [[one * taken for one in row] for row in passed]
-        return orienting.passed(shares, passed)
+                flow = orienting.mean(passed)
+                taken = orienting.outlet_share(shares, flow, values["arrival_rate"], outlet)
+                passed = [[[cell * taken for cell in row] for row in one] for one in passed]
+        return orienting.passed(shares, orienting.mean(passed))
 
     def _in_order(
         self, matrices: list[Matrix], outlets: list[Array | None], order: Array
@@ -197,6 +212,7 @@ def end_of(name: str, function: Function, upper: bool, says: str) -> Equation:
 LINE, TEST = "theory 16.3", "theory 16.4"
 SIZES: dict[str, Function] = {
     "box": orienting.box_aspects,
+    "weighted_box": orienting.weighted_box_aspects,
     "cylinder": orienting.cylinder_aspects,
     "prism": orienting.prism_aspects,
     "truncated_cone": orienting.turned_aspects,
@@ -386,7 +402,8 @@ def _equations_with_devices(
     devices = [
         Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)
     ]
-    line = DeviceLine(tuple(d for d in devices if d.numbers), aspects, ordered)
+    ways = (1.0, -1.0) if shape == "weighted_box" else (1.0,)
+    line = DeviceLine(tuple(d for d in devices if d.numbers), aspects, ordered, ways)
     lines = (
         *equations(shape, part),
         line.equation("thrown_line", "thrown_shares", LINE),

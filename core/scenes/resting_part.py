@@ -27,6 +27,7 @@ from vibrafeed.core.scenes.scene import (
 
 ASPECTS: dict[str, tuple[str, ...]] = {
     "box": ("flat", "on_side", "on_end"),
+    "weighted_box": ("flat", "on_side", "on_end", "inverted"),
     "cylinder": ("on_side", "on_end"),
     "prism": ("on_side", "on_end"),
     "truncated_cone": ("upright", "on_side", "inverted"),
@@ -46,6 +47,11 @@ SHAPES: dict[str, tuple[Equation, ...]] = {
         Equation("let_down_shares", resting.box_shares, SOURCE),
         Equation("centre_heights", resting.box_centres, SOURCE),
         Equation("depths", resting.box_depths, SOURCE),
+    ),
+    "weighted_box": (
+        Equation("let_down_shares", resting.weighted_box_shares, SOURCE),
+        Equation("centre_heights", resting.weighted_box_centres, SOURCE),
+        Equation("depths", resting.weighted_box_depths, SOURCE),
     ),
     "cylinder": (
         Equation("let_down_shares", resting.cylinder_shares, SOURCE),
@@ -82,7 +88,7 @@ WORDS = {
     "on_side": "on its side",
     "on_end": "on an end",
     "upright": "on the end of `diameter`",
-    "inverted": "on the opposite end",
+    "inverted": "on the opposite end, or a box upside down",
 }
 
 
@@ -105,9 +111,19 @@ def shares_of(shape: str) -> tuple[Equation, ...]:
 def lying(shape: str, outputs: frozenset[str]) -> tuple[Condition, ...]:
     """Return the conditions under which parts of a shape cannot lie as assumed, for some outputs.
 
-    Only turned parts, such as screws, have any: a centre of mass outside of the part, and a side on
-    which they do not rest. `outputs` are the quantities whose meaning that touches.
+    A centre of mass may be outside of the part, and a turned part, such as a screw, may have a side
+    on which it does not rest. `outputs` are the quantities whose meaning that touches.
     """
+    if shape == "weighted_box":
+        return (
+            Condition(
+                "invalid_geometry",
+                lambda *, height, centre_of_mass: centre_of_mass >= height,
+                outputs,
+                otherwise="contact",
+                says="True where the centre of mass is not within the box.",
+            ),
+        )
     if ASPECTS[shape][0] != "upright":
         return ()
     return (
@@ -146,14 +162,27 @@ _UPRIGHT = (
         SECTION,
     ),
 )
+_BOX = (
+    under_names("standing_base", resting.half, SECTION,
+                "half the length of a box, which is pushed along it [m]", size="length"),
+    Equation("long_side_share", resting.long_side_share, SOURCE),
+)  # fmt: skip
+_GYRATION = field_of(
+    "radius_of_gyration", (), "gyration", "the radius of gyration of a part, as measured [m]",
+    SECTION,
+)  # fmt: skip
 POSES: dict[str, tuple[Equation, ...]] = {
     "box": (
-        under_names("standing_base", resting.half, SECTION,
-                    "half the length of a box, which is pushed along it [m]", size="length"),
+        *_BOX,
         under_names("standing_centre", resting.half, SECTION, "half the height of a box [m]",
                     size="height"),
         Equation("gyration", resting.box_gyration, SECTION),
-        Equation("long_side_share", resting.long_side_share, SOURCE),
+    ),
+    "weighted_box": (
+        *_BOX,
+        field_of("centre_of_mass", (), "standing_centre",
+                 "the height of the centre of a box that lies flat [m]", SECTION),
+        _GYRATION,
     ),
     "cylinder": (
         *_ROUND, *_ON_END, Equation("gyration", resting.cylinder_gyration, SECTION),
@@ -164,9 +193,7 @@ POSES: dict[str, tuple[Equation, ...]] = {
         Equation("gyration", resting.prism_gyration, SECTION),
     ),
     "truncated_cone": (*_UPRIGHT, Equation("gyration", resting.cone_gyration, SECTION)),
-    "turned": (*_UPRIGHT, field_of("radius_of_gyration", (), "gyration",
-                                    "the radius of gyration of a turned part, as measured [m]",
-                                    SECTION)),
+    "turned": (*_UPRIGHT, _GYRATION),
 }  # fmt: skip
 """How each shape stands: a box on its face of length by width, the others on an end."""
 

@@ -10,6 +10,7 @@ import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from http import HTTPStatus
 from pathlib import Path
 from typing import Any
 
@@ -92,7 +93,7 @@ class Server(Service):
         method: str | None = None,
         headers: Iterable[tuple[str, str]] = (),
     ) -> bytes:
-        """Return a reply's content; a server that is being started again is waited for."""
+        """Return a reply's content; a server that starts again, or is busy, is asked again."""
         body = None if content is None else json.dumps(content).encode()
 
         def replied() -> tuple[bytes] | None:
@@ -102,8 +103,10 @@ class Server(Service):
             try:
                 with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
                     return (reply.read(),)
-            except urllib.error.HTTPError:
-                raise
+            except urllib.error.HTTPError as error:
+                if error.code != HTTPStatus.SERVICE_UNAVAILABLE:
+                    raise
+                return None
             except OSError:
                 assert self.process is not None
                 ended = self.process.poll()  # negative where it was killed

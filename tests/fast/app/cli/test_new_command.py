@@ -35,8 +35,6 @@ def test_every_starter_is_a_sound_study_of_usual_numbers(words):
     content = read_toml(text)
     prepared = prepare_content(content)
     assert prepared.cells == (41 if "springs" in words else 1)
-    # Some three on a quiet machine; prices are of this one, which a dozen busy processes may share.
-    assert prepared.seconds < 60
     assert questions(content) == []
     assert text.count("#") >= 10
 

@@ -147,7 +147,7 @@ async def test_a_job_waits_for_workers_and_says_so(tmp_path):
         workers.trouble = None
         assert runner.fault() is None
 
-    job = await carried_out(tmp_path, workers, play, max_job_seconds=0.5)
+    job = await carried_out(tmp_path, workers, play)
     assert job.state == "successful"
 
 

@@ -46,6 +46,59 @@ def test_a_box_let_down_and_thrown():
     assert cube == pytest.approx([1 / 3] * 3, abs=ROUNDING)
 
 
+def seen(ends_x, ends_y, apart):
+    """Return the share of directions in which a rectangle at a distance is seen, by its corners."""
+    angle = sum(
+        sign * np.arctan2(x * y, apart * np.sqrt(x * x + y * y + apart * apart))
+        for sign, x, y in (
+            (1, ends_x[1], ends_y[1]), (-1, ends_x[0], ends_y[1]),
+            (-1, ends_x[1], ends_y[0]), (1, ends_x[0], ends_y[0]),
+        )
+    )  # fmt: skip
+    return angle / (4.0 * np.pi)
+
+
+@pytest.mark.parametrize("z", [5.0, 3.0, 0.5, 9.9])
+def test_a_box_with_its_mass_off_the_middle(z):
+    sizes = {"length": 30.0, "width": 20.0, "height": 10.0, "centre_of_mass": z}
+    (x, y), (low, high) = (15.0, 10.0), (z, 10.0 - z)
+    sides = 2.0 * seen((-x, x), (-low, high), y), 2.0 * seen((-y, y), (-low, high), x)
+    let_down = [seen((-x, x), (-y, y), low), *sides, seen((-x, x), (-y, y), high)]
+    assert sum(let_down) == pytest.approx(1.0, rel=1e-14)
+    assert shares("weighted_box", **sizes) == pytest.approx(let_down, rel=1e-12)
+    far = np.sqrt(x * x + y * y + max(low, high) ** 2)
+    weights = np.array(let_down) * (far - np.array([low, y, x, high])) ** 2
+    thrown = shares("weighted_box", "thrown_share", **sizes)
+    assert thrown == pytest.approx(weights / weights.sum(), rel=1e-12)
+
+
+def test_a_weighted_box_topples_about_its_own_centre_and_must_hold_it():
+    (slope,) = part("weighted_box", "topple_slope", length=0.03, centre_of_mass=0.003)
+    assert np.radians(slope) == pytest.approx(np.arctan(0.015 / 0.003), rel=1e-14)
+    given = {"length": 0.03, "width": 0.02, "height": 0.01}
+    found = vibrafeed.sweep(
+        scene="resting-part", variant="weighted_box", outputs=["let_down_share_flat"], **given,
+        centre_of_mass=0.011,
+    )  # fmt: skip
+    assert int(found.regime) == REGIMES["invalid_geometry"].value
+
+
+@pytest.mark.parametrize(
+    ("device", "passing"),
+    [({"ledge_width_1": "4 mm"}, [0, 0.5, 0.5, 0]), ({"ledge_width_1": "9 mm"}, [0, 1, 1, 0]),
+     ({"ledge_width_1": "4 mm", "ledge_width_2": "4 mm"}, [0, 0.5, 0.5, 0]),
+     ({"gap_length_1": "12 mm"}, [1, 1, 0, 1]), ({"wiper_height_1": "15 mm"}, [1, 0, 0, 1])],
+)  # fmt: skip
+def test_devices_see_either_way_round_of_a_weighted_box(device, passing):
+    """On its side its centre is 3 mm off the middle, towards the wall or away from it."""
+    names = [f"passing_share_{aspect}" for aspect in ASPECTS["weighted_box"]]
+    found = vibrafeed.sweep(
+        scene="orienting-line", variant="weighted_box", length="30 mm", width="20 mm",
+        height="10 mm", centre_of_mass="2 mm", outputs=names, **device,
+    )  # fmt: skip
+    assert [float(found[name]) for name in names] == passing
+
+
 @pytest.mark.parametrize(
     ("length", "end"), [(1, 0.2928932188), (2, 0.1055728090), (0.5, 0.5527864045)]
 )
