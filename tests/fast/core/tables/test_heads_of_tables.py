@@ -64,24 +64,6 @@ def names_of(head):
     return ("ax_g", "az_g") if head == "endings" else ("ax", "az")
 
 
-ALL = [
-    case
-    for case in product(SEPARATORS, (False, True), PREAMBLES, HEADS, CLOCKS)
-    if not (case[0] == "comma" and case[1])
-]
-
-
-@pytest.mark.parametrize("separator", SEPARATORS)
-@pytest.mark.parametrize("clock", CLOCKS)
-def test_every_head_is_read_right(separator, clock):
-    cases = [case for case in ALL if case[0] == separator and case[4] == clock]
-    for _, comma, preamble, head, _ in cases:
-        source = text(SEPARATORS[separator], comma, preamble, head, clock)
-        along, normal = names_of(head)
-        assert is_read_right(source, along, normal), (comma, preamble, head)
-    assert len(ALL) >= 300
-
-
 CROSSED = [*product(SEPARATORS, (False, True), PREAMBLES, HEADS, CLOCKS, ENCODINGS)]
 
 
