@@ -85,6 +85,7 @@ def test_every_head_in_every_encoding_is_read_right_or_after_its_advice(tmp_path
 def test_a_line_may_name_the_separator():
     for separator, comma in product(SEPARATORS.values(), (False, True)):
         if separator != "," or not comma:
+            assert is_read_right(f'"sep={separator}"\n' + text(separator, comma))
             assert is_read_right(f"sep={separator}\n" + text(separator, comma))
 
 
