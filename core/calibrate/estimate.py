@@ -293,9 +293,9 @@ def _coordinates(
             values = prepared.candidates.coordinate(name)
             key = CANDIDATE + name
             coordinates[key] = TableVariable((key,), values, quantity_attributes(name))
-        for name, values in prepared.candidates.paired.items():
+        for name, paired in prepared.candidates.paired.items():
             coordinates[CANDIDATE + name] = TableVariable(
-                (CANDIDATE + DESIGN,), values.array(), quantity_attributes(name)
+                (CANDIDATE + DESIGN,), paired.array(), quantity_attributes(name)
             )
     known = {n: v for n, v in model.shared.items() if n not in {u.name for u in model.unknowns}}
     for name, value in known.items():
