@@ -288,8 +288,9 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
             ends = [dataset[f"{mean.name}_{end}"] for end in ENDS]
             three = [shown.factor * float(one) for one in (mean, *ends)]
             told, *band = (rounded(one, three[2] - three[1]) for one in three)
-            over = f", {' to '.join(band)} for {over}".replace("-", "\N{MINUS SIGN}")
-        facts.append(f"mean velocity {with_unit(told, shown.unit)}{over}")
+            over = f", {' to '.join(band)} for {over}"
+        fact = f"mean velocity {with_unit(told, shown.unit)}{over}"
+        facts.append(fact.replace("-", "\N{MINUS SIGN}"))
     if not dataset["regime"].ndim:
         facts.append("regime " + words(_flag(dataset["regime"], int(dataset["regime"]))))
     return [fact.replace(" ", SPACE) for fact in facts] + held_fixed(dataset, units)
