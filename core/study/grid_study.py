@@ -101,6 +101,7 @@ class RecordedDrive(BaseModel):
     )
     once: bool = Field(
         False,
+        strict=True,
         description="Follow the recording as it is, from rest to rest, instead of its harmonics: "
         "for burst_displacement.",
     )
