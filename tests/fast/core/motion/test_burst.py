@@ -209,6 +209,19 @@ def test_what_no_recording_that_is_followed_once_has_is_told(saw, drive, more, p
     assert (problem.place, told in problem.fix) == (place, True)
 
 
+@pytest.mark.parametrize(
+    "samples", [{"along": [0, 1]}, {"time": [0, 1, 1], "along": [0, 1, 0]},
+                {"time": [0, 1, 2], "along": [0, 1]}, {"time": [1, 2], "along": [0, 1]}],
+)  # fmt: skip
+def test_samples_from_the_network_are_looked_at(samples):
+    drive = {"name": "x", "sha256": 64 * "0", "left_over": {}, "numbers": {}, "samples": samples}
+    content = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": OUTPUTS}
+    parameters = {"friction": 0.3, "frequency": 5, "burst_periods": 1}
+    with pytest.raises(StudyError) as caught:
+        prepare_content({**content, "parameters": parameters, "drive": drive})
+    assert [one.place for one in caught.value.problems] == ["drive"]
+
+
 def test_other_kinds_need_a_drive_that_repeats(saw):
     study = {"kind": "optimise", "scene": "rectangle-on-plane", "criterion": {"kind": "maximise"}}
     with pytest.raises(StudyError) as caught:
