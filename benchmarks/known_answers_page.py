@@ -1,4 +1,4 @@
-"""`python -m benchmarks.validation_page` writes docs/validation.md from the known answers.
+"""`python -m benchmarks.known_answers_page` writes docs/generated/known-answers.md.
 
 The results are computed anew; those of the physics engines are read from
 docs/generated/validation-engines.json, which `python -m benchmarks.validation_engines` writes.
@@ -16,140 +16,42 @@ import numpy as np
 
 from benchmarks.figures.judgement import VERDICTS
 from benchmarks.known_answers import FILES, Known, answer, fault, found, known_answers
-from benchmarks.validation_engines import ASKED, NAMES, PICTURE, RESULTS
+from benchmarks.validation_engines import ASKED, NAMES, RESULTS
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.report import markdown_table
 
 DOCS = Path(__file__).parents[1] / "docs"
-PAGE = DOCS / "validation.md"
+PAGE = DOCS / "generated" / "known-answers.md"
 FIRST = ("dice", "coins", "starts", "rail", "thesis-figures", "worked-values")
 """Files in the order of the page: measured answers first, then figures and worked values."""
 SHOWN_STEPS = (100, 2000)
 
-BEGIN = """\
-# Validation
-
-With published inputs the predicted displacement of a part is off by 40 % of its travel; with
-friction and force measured in the same run, by 9 %. The difference comes from friction, which
-varies between runs, not from the model. Therefore [calibrate](friction.md#calibrate), or give
-[friction as a range](friction.md#or-give-the-pair)."""
-
-MEASURED = (
-    (
-        "Ten tracked parts of 9 g, -2.6 to 13.4 mm/s [1]",
-        "mean position error 0.52 mm, 40 % of the largest travel; sign right in 9 of 10",
-        "kinetic friction and force of each run: 0.164 mm, 9.3 % (the authors' model: 11.9 %)",
-        "friction and normal force of the run",
-    ),
-    (
-        "43 speeds on a rail, two-level waves, 3.4 to 44 mm/s [2]",
-        "11.2, 9.8 and 11.8 mm/s (root mean square) with the three published masses",
-        "mu/m: 3.06 mm/s, 15.6 %",
-        "the moving mass; friction scatters by 14 % between repeats",
-    ),
-    (
-        "15 steel cuboids, 9,329 throws [3]",
-        "3.1 points (thrown), 14.7 (let down)",
-        "none",
-        "the momentum of the throw: the shares are a bracket",
-    ),
-    ("Two thick coins [4]", "between let down and thrown", "none", "the same"),
-    (
-        "Least acceleration that starts a part; the measurements confirm the authors' formula [5]",
-        "by the formula: starts at 1.0001, rests at 0.9999 of the threshold",
-        "none",
-        "nothing",
-    ),
-)
-"""Measured families: case, error without a fit, error with a fit, missing inputs."""
-
-MODEL_ENDS = """\
-1. Yako, Nowak, Yuan, Salisbury, 2025, arXiv 2502.05693, with public raw data, which
-   `python -m benchmarks.tracked_courses FOLDER` follows once.
-2. D. Yako, Y. Yuan, K. Salisbury, 2026, arXiv 2605.30780.
-3. The Mathematical Gazette 97.16, 2013, table 1.
-4. M. Parker's throws, in the repository iaroslav-ai/coin-experiment.
-5. Journal of the Japan Society of Precision Engineering 33/391, 1967.
-
-**Limits of the model.** Rigid contacts with Coulomb friction describe feeders of mains frequency.
-Above about 1 kHz (piezo and ultrasonic drives) contacts deform before they slip, and vibration
-lowers friction. The model has no adhesion, which holds parts below about a millimetre, no air, and
-no parts that rock while they travel."""
-
 HEAD = """\
-## Known answers
+# Known answers
 
-{count} answers that are known from elsewhere are data in `tests/known_answers`: TOML files with
-study, value, tolerance and source. One test compares all of them, and
-`python -m benchmarks.validation_page` writes this page from them. An answer is a study and the
-value of its output, in the units of result files:
+{count} answers from elsewhere, and the results of vibrafeed.
+`python -m benchmarks.known_answers_page` writes this page. [Validation](../validation.md) explains
+the columns and the sources.
 
-```toml
-[[answers]]
-name = "W-winkler-1"
-study = {{ kind = "simulate", scene = "rectangle-on-plane", ... }}
-times = 1000.0       # the output in mm/s
-value = 3.32687
-tolerance = 5e-06
-source = "family: G. Winkler, 1978; value: derived by us"
-```
-
-Other programs can read the same files: `benchmarks/known_answers.py` describes the keys and has a
-reader of 100 lines. `shown` answers are not judged one by one; the scatter of their set is."""
-
-WITHOUT = """\
-Sources: two-level waves, D. Quaid, 1999, and D. Yako, 2026; best level wave, P. Umbanhowar and K.
-M. Lynch, 2008 (the [proof](theory/best-drive.md) is ours); Winkler's wave, G. Winkler, 1978;
-drives far above friction, the principle of D. Reznik and J. Canny. Answers with `-r1.` in their
-name have random inputs and the value of the formula in `source`."""
+## All answers
+"""
 
 ENGINES = """\
-## Physics engines on the same problems
+## Physics engines
 
-Five engines solve six of these problems, with one coefficient of friction, which is all that they
-support. The track is at rest, and gravity is that of a frame that moves with the track: before each
-step, minus the mean acceleration of the track over that step. The drive is therefore exact at any
-step. The block cannot turn. MuJoCo's contacts are as stiff as its step allows, and Siconos solves
-friction to 1e-12; nothing else was tuned. `Fast ellipse` is compared with the exact answer for
-mu g/(A_x w^2) = 0.05. Errors are shares of the answer."""
-
-AFTER = """\
-The time is processor time of one answer: the periods until the motion repeats, and 20 more.
-vibrafeed is exact to rounding; its time is that of a cell among many. PyBullet, pymunk, DART and
-Siconos give the same numbers, because each of their steps is Coulomb's law on impulses. Their error
-is of first order in the step and erratic, because slip can only reverse at the end of a step.
-MuJoCo's contacts are soft, which matters where the load is near 0 for a while, as in the ellipse.
-
-`python -m benchmarks.validation_engines` runs the installed engines, at 20 to 2,000 steps. The
-[extra](install.md#extras) `engines` installs MuJoCo, PyBullet and pymunk; `pip install dartpy`
-DART; Debian's package `python3-siconos` (4.4.0, which reports 4.5.0) Siconos, for Debian's own
-Python (`--python siconos=/usr/bin/python3`). Times are of two shared cores. Siconos was not
-available when the last problem was added."""
+Errors are shares of the answer; [validation](../validation.md#physics-engines-on-the-same-problems)
+describes the problems. `Fast ellipse` is compared with the exact answer for mu g/(A_x w^2) = 0.05.
+The time is processor time of one answer on two shared cores: the periods until the motion repeats,
+and 20 more. That of vibrafeed is the time of a cell among many.
+"""
 
 
 def page() -> str:
-    """Return the text of the validation page."""
+    """Return the text of the page of known answers."""
     files = [*FIRST, *(file for file in FILES if file not in FIRST)]
     tables: dict[str, Table] = {}
     count = sum(len(known_answers(file)) for file in files)
-    columns = ("measured", "inputs as published, no fit", "fitted", "what is missing")
-    lines = [
-        BEGIN,
-        "",
-        "## Measurements",
-        "",
-        *markdown_table(columns, MEASURED),
-        "",
-        MODEL_ENDS,
-        "",
-        HEAD.format(count=count),
-        "",
-        "## All answers",
-        "",
-        *_groups(files, tables),
-        "",
-        WITHOUT,
-    ]
+    lines = [HEAD.format(count=count), *_groups(files, tables)]
     lines += ["", *_measured(tables), "", *_thesis(), "", *_engines()]
     return "\n".join(lines) + "\n"
 
@@ -230,7 +132,7 @@ def _thesis() -> Iterator[str]:
     yield ""
     yield (
         f"Verdicts on {sum(counts.values())} claims of chapter 5: {told}. "
-        "[The thesis](thesis.md#figures-of-chapter-5) lists them with their numbers."
+        "[The thesis](../thesis.md#figures-of-chapter-5) lists them with their numbers."
     )
 
 
@@ -239,9 +141,6 @@ def _engines() -> Iterator[str]:
     rows: list[dict[str, Any]] = json.loads(RESULTS.read_text(encoding="utf-8"))
     known = {(row["engine"], row["problem"], row["steps"]): row for row in rows}
     yield ENGINES
-    yield ""
-    yield f"![Error of each engine over the time of an answer](generated/{PICTURE.name})"
-    yield ""
     columns = ["engine", "steps a period"]
     for name, (title, _) in ASKED.items():
         columns += [f"{title} ({name})", "time"]
@@ -260,8 +159,6 @@ def _engines() -> Iterator[str]:
     for case in ASKED:
         own += ["rounding", _seconds(known["vibrafeed", case, 0]["seconds"])]
     yield from markdown_table(columns, [*lines, own])
-    yield ""
-    yield AFTER
 
 
 def _seconds(seconds: float) -> str:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.engine_drivers import follow
+from benchmarks.known_answers_page import PAGE, page
 from benchmarks.validation_engines import ASKED, PICTURE, RESULTS, answer, asked_cases, jobs
-from benchmarks.validation_page import PAGE, page
 
 NUMBER = re.compile(r"(?<![\w.-])-?\d+\.\d+(?:e-?\d+)?")
 
@@ -19,7 +19,7 @@ def parts(text: str) -> tuple[list[str], list[float]]:
 
 def test_the_page_is_up_to_date():
     (now, numbers), (then, known) = map(parts, (page(), PAGE.read_text(encoding="utf-8")))
-    assert now == then, "python -m benchmarks.validation_page"
+    assert now == then, "python -m benchmarks.known_answers_page"
     # Another processor may round the last of the ten digits that the page has otherwise.
     np.testing.assert_allclose(numbers, known, rtol=1e-8, atol=1e-12)
     assert RESULTS.exists()
