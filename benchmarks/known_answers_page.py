@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 
 from benchmarks.figures.judgement import VERDICTS
+from benchmarks.figures.page import PAGE as CLAIMS
 from benchmarks.known_answers import FILES, Known, answer, fault, found, known_answers
 from benchmarks.validation_engines import ASKED, NAMES, RESULTS
 from vibrafeed.core.dataset.table import Table
 from vibrafeed.core.report import markdown_table
 
-DOCS = Path(__file__).parents[1] / "docs"
-PAGE = DOCS / "generated" / "known-answers.md"
+PAGE = Path(__file__).parents[1] / "docs" / "generated" / "known-answers.md"
 FIRST = ("dice", "coins", "starts", "rail", "thesis-figures", "worked-values")
 """Files in the order of the page: measured answers first, then figures and worked values."""
 SHOWN_STEPS = (100, 2000)
@@ -125,14 +125,14 @@ def _measured(tables: dict[str, Table]) -> Iterator[str]:
 
 def _thesis() -> Iterator[str]:
     """Yield the number of claims on thesis figures with each verdict."""
-    text = (DOCS / "thesis.md").read_text(encoding="utf-8").partition("by `python -m")[2]
+    text = CLAIMS.read_text(encoding="utf-8")
     counts = {name: text.count(f" | {name} | ") for name in VERDICTS}
     told = ", ".join(f"{name} {count}" for name, count in counts.items())
     yield "## Figures of the thesis"
     yield ""
     yield (
         f"Verdicts on {sum(counts.values())} claims of chapter 5: {told}. "
-        "[The thesis](../thesis.md#figures-of-chapter-5) lists them with their numbers."
+        "[Figures of the thesis](thesis-figures.md) lists them with their numbers."
     )
 
 

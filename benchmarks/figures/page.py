@@ -1,4 +1,4 @@
-"""The part of docs/thesis.md on the figures, and their pictures."""
+"""The page docs/generated/thesis-figures.md, and its pictures."""
 
 from __future__ import annotations
 
@@ -15,9 +15,15 @@ from benchmarks.figures.studies import ROOT, data, picture_of, study
 from vibrafeed.core.plots.drawing import draw
 from vibrafeed.core.report import markdown_table
 
-PAGE = ROOT / "docs" / "thesis.md"
-BEGIN = "<!-- Written by `python -m benchmarks.figures`: begin. -->"
-END = "<!-- Written by `python -m benchmarks.figures`: end. -->"
+PAGE = ROOT / "docs" / "generated" / "thesis-figures.md"
+HEAD = """\
+# Figures of the thesis
+
+`python -m benchmarks.figures` evaluates the studies of `configs/figures` in the variant `thesis`,
+judges each claim of chapter 5 by the numbers, and writes this page.
+[The thesis](../thesis.md#figures-of-chapter-5) explains the verdicts. Percentages are shares of
+cells where the part has left the floor, and where the wall would have to pull.
+"""
 
 DPI = 84
 COLOURS = 256  # of a picture's palette
@@ -55,9 +61,10 @@ FIGURES: dict[int, Callable[[], list[Judgement]]] = {
 }
 
 
-def section() -> str:
-    """Return the generated section of the page: a row for each claim, with its figures."""
-    return "\n".join(markdown_table(("figures", "claim", "verdict", "numbers"), _claims()))
+def page() -> str:
+    """Return the text of the page: a row for each claim, with its figures."""
+    table = markdown_table(("figures", "claim", "verdict", "numbers"), _claims())
+    return "\n".join([HEAD, *table]) + "\n"
 
 
 def _claims() -> Iterator[list[str]]:
@@ -69,7 +76,7 @@ def _claims() -> Iterator[list[str]]:
         if study(number).scene == "rectangle-on-track":
             facts += f", {share(wall_pulls(number))} wall pulls"
         names = ", ".join(f"5.{one}" for one in group)
-        figures = f"[{names}](figures/{picture_of(number).name}) {_subject(number)}: {facts}"
+        figures = f"[{names}](../figures/{picture_of(number).name}) {_subject(number)}: {facts}"
         for judgement in function():
             yield [figures, *judgement]
             figures = ""
@@ -79,13 +86,6 @@ def _subject(number: int) -> str:
     """Return the subject of a figure, from its study's title."""
     title = (study(number).title or "").partition(": ")[2]
     return title.removesuffix(" (contour lines)")
-
-
-def page(text: str) -> str:
-    """Return the page's text with its section on figures generated anew."""
-    head, _, rest = text.partition(BEGIN)
-    _, _, tail = rest.partition(END)
-    return f"{head}{BEGIN}\n\n{section()}\n\n{END}{tail}"
 
 
 def draw_picture(number: int) -> None:

@@ -1,6 +1,6 @@
 """The studies of configs run; the figures of chapter 5 are as printed, with the numbers of claims.
 
-docs/thesis.md has the claims of the source. They are computed again here, from the datasets alone.
+docs/generated/thesis-figures.md has the claims. They are computed again here, from the data alone.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,7 @@ from vibrafeed.core.quantities import REGIMES
 TRACK = range(22, 30)
 
 
-# --- claims on the figures of chapter 5 (docs/thesis.md), as numbers
+# --- claims on the figures of chapter 5 (docs/generated/thesis-figures.md), as numbers
 
 
 def place_of_largest(values: xr.DataArray, dim: str) -> float:
@@ -149,7 +149,7 @@ def distance_at_track_speed() -> float:
 
 @dataclass(frozen=True)
 class Statement:
-    """A number of a claim: the figure, the number as docs/thesis.md has it, how to measure it."""
+    """A number of a claim: the figure, the number as its page has it, how to measure it."""
 
     figure: int
     says: str
