@@ -16,7 +16,7 @@ def page() -> str:
         "the value of the key `kind`, a process of the service and a function of `vibrafeed`;",
         "`vibrafeed new --kind NAME` writes its example.",
         "",
-        "| kind | what it does |",
+        "| kind | purpose |",
         "| --- | --- |",
         *(f"| [`{name}`](#{name}) | {kind.title} |" for name, kind in KINDS.items()),
     ]

@@ -9,7 +9,7 @@ import pytest
 
 import vibrafeed
 from benchmarks.best_wave import motions, steps, study
-from refusals import told_of, words_of
+from refusals import told_of
 from vibrafeed.core.intake import load_study, parse_json, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.optimise.optima import designs_of
@@ -228,5 +228,6 @@ def test_a_target_is_read_in_the_unit_of_its_output():
         "parameters": {"frequency": 50, "amplitude": "0.3 mm", "friction": 0.3},
     }  # fmt: skip
     assert prepare_content(content).study.criterion.target == 0.08
-    content["criterion"]["target"] = "80 kg"
-    assert "'kg' does not measure conveying velocity" in words_of(prepare_content, content)
+    wrong = {**content, "criterion": {"kind": "reach", "target": "80 kg"}}
+    (said,) = told_of(prepare_content, wrong).values()
+    assert "'kg' does not measure conveying velocity" in said
