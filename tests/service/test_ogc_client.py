@@ -194,12 +194,3 @@ def test_jobs_are_listed_and_dismissed(client, server):
     assert reply.status_code == 200
     check_status(reply.json())
     assert followed(reply.json(), "self").json()["status"] == "dismissed"
-
-
-def test_what_is_missing_is_told_as_the_standard_asks(client, server):
-    with pytest.raises(RuntimeError, match=f"{EXCEPTIONS}no-such-process"):
-        client.process("nothing")
-    for method, end in (("GET", ""), ("DELETE", ""), ("GET", "/results")):
-        reply = requests.request(method, f"{server}/jobs/nothing{end}", timeout=PATIENCE)
-        assert reply.status_code == 404
-        assert reply.json()["type"] == f"{EXCEPTIONS}no-such-job"

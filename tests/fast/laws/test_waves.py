@@ -63,14 +63,6 @@ def test_far_above_friction_the_speed_is_a_weighted_median_of_the_tracks(normal,
     assert off[0] > 1.9 * off[1] > 3.6 * off[2]
 
 
-def test_one_harmonic_is_the_plain_sine():
-    """A wave of one order in phase on both axes."""
-    beta, common = np.radians(25.0), {"friction": 0.35, "gamma": 2.0}
-    sine = velocity(**common, amplitude=4e-4, beta=25.0)
-    axes = {"amplitude_along_1": 4e-4 * np.cos(beta), "amplitude_normal_1": 4e-4 * np.sin(beta)}
-    assert velocity(**common, **axes) == pytest.approx(sine, rel=1e-12)
-
-
 # --- laws
 
 

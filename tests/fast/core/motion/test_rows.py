@@ -148,12 +148,6 @@ def test_parts_that_run_down_a_slope_for_ever_have_no_mean_velocity(gamma, frict
     assert np.isnan(found.conveying_velocity) == away
 
 
-def test_parts_that_rebound_from_the_floor_have_no_mean():
-    found, names = regimes(["feed_rate"], restitution=[0.0, 0.2], **APART, length="12 mm")
-    assert names[0] != names[1] == "not_supported"
-    assert np.isnan(found.feed_rate.values).tolist() == [False, True]
-
-
 @pytest.mark.parametrize(
     ("given", "leaves", "way"),
     [
