@@ -1,7 +1,5 @@
 """Plans of scenes by their names, and the values that their equations give."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Collection, Mapping
 from typing import Any

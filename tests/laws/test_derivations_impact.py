@@ -4,8 +4,6 @@ A corner of body 1 stands on the long face of body 2, both anywhere. Numbers in 
 source's equations.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy as sp

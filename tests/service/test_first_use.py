@@ -1,7 +1,5 @@
 """Models of studies are built when they are first used: by one thread or by many at once."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

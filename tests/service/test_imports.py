@@ -1,7 +1,5 @@
 """What a start loads, in a process of its own: no more than it needs."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

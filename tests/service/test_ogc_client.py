@@ -3,8 +3,6 @@
 What a document must hold is written down from the text of the standard, OGC 18-062r2 (1.0.0).
 """
 
-from __future__ import annotations
-
 import datetime
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """What commands load before they do anything; `benchmarks/start_up.py` measures the time."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

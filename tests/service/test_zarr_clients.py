@@ -1,7 +1,5 @@
 """Clients that are not ours: xarray with zarr, curl, bare sockets; groups that grow."""
 
-from __future__ import annotations
-
 import json
 import random
 import re

@@ -1,7 +1,5 @@
 """Laws that every closed form must obey: friction cone, symmetry, scaling, limits, two routes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

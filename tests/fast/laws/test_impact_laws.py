@@ -5,8 +5,6 @@ both bodies, velocities of both at the contact). A few dozen operations with a r
 1.1e-16 each stay below 1e-14 of it; the rest is for badly matched masses and arms.
 """
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Exact motion under any drive: closed solutions, the laws that all motions keep, two kernels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Keys with roles and limits over HTTP, what belongs to whom, and wrong keys."""
 
-from __future__ import annotations
-
 import json
 import logging
 from collections.abc import Iterator

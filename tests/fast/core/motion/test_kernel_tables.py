@@ -1,7 +1,5 @@
 """What compiled kernels write stands where the results of the library read it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.motion.kernels import constants, inputs, tumbling

@@ -1,7 +1,5 @@
 """Planar motion against values from elsewhere: closed forms, worked values, published speeds."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rows of parts: values that other programs and closed forms give, to their digits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Rows of parts: isotonic contact by scipy, time stepping, and what studies of them say."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import isotonic_regression

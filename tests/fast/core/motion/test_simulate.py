@@ -1,7 +1,5 @@
 """Studies of motion: plan, methods, datasets, limits, and what is said of a wrong one."""
 
-from __future__ import annotations
-
 import threading
 import time
 from pathlib import Path

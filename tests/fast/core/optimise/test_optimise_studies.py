@@ -1,7 +1,5 @@
 """Studies of optimisation, also of any number of a drive, and what is said of wrong ones."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

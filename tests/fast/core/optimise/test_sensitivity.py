@@ -1,7 +1,5 @@
 """Derivatives of closed forms and of motion, against differences and against laws."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

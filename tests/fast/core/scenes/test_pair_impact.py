@@ -1,7 +1,5 @@
 """Impacts that can be checked by hand, and placements that have no impact or no unique one."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
