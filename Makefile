@@ -22,9 +22,10 @@ run: $(RUNNING)
 	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc --force
 	$(BIN)/vibrafeed plot results/$(FIGURE).nc -o results/$(FIGURE).png --force
 
-# Units and laws of less than a second each, and ten ways of a user.
+# Units and laws of less than a second each, and ten ways of a user. They compute, and hardly wait: a
+# process a core, since each more takes four seconds of processor time to collect.
 test: $(TESTING)
-	scripts/test $(BIN) tests/fast tests/journeys
+	scripts/test $(BIN) tests/fast tests/journeys -n logical
 
 # The rest besides: long laws, services, browsers, pages of docs/, packages.
 test-all: test

@@ -1,15 +1,10 @@
 """Settings of all tests."""
 
-from __future__ import annotations
-
 import gc
 import os
-from collections.abc import Generator, Iterator
+from collections.abc import Generator
 
 import pytest
-
-import postgres
-from tools import absent
 
 # `scripts/test` has compiled everything: services that tests start need not look.
 os.environ.setdefault("VIBRAFEED_WARM_AT_START", "false")
@@ -28,13 +23,3 @@ def pytest_collection() -> Generator[None, object, object]:
     finally:
         gc.freeze()
         gc.set_threshold(*thresholds)
-
-
-@pytest.fixture(scope="session")
-def postgresql() -> Iterator[postgres.Postgres]:
-    """Debian's PostgreSQL, on loopback; tests that stop it start it again."""
-    programs = postgres.programs()
-    if programs is None:
-        absent("PostgreSQL is not installed")
-    with postgres.running(programs) as server:
-        yield server

@@ -1,12 +1,10 @@
 """Recordings of drives that are known: accelerations after the definition, and their CSV."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import lfilter
 
 from vibrafeed.core.measured import Signal
 
@@ -51,7 +49,7 @@ def noisy(
 ) -> Signal:
     """Return a signal with noise of variance size^2, each value `colour` times the one before."""
     white = rng.standard_normal((len(signal.axes), signal.times.size + 200))
-    noise = lfilter([np.sqrt(1 - colour**2)], [1, -colour], white)[:, 200:]
+    noise = scipy.signal.lfilter([np.sqrt(1 - colour**2)], [1, -colour], white)[:, 200:]
     return signal._replace(values=signal.values + size * noise)
 
 

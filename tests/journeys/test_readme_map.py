@@ -1,11 +1,9 @@
 """The map of the README at twenty points, and two closed forms of its speeds.
 
-The speeds of `slip` and `hop_after_hop` are kept from the closed forms below, the others from
-`tests/helpers/planar_digits.py`, which follows a part in 30 digits of mpmath and shares no code
-with the package.
+The speeds of `slip` and `hop_after_hop` are kept from the closed forms below, the others from a
+program that follows a part in 30 digits of mpmath and shares no code with the package
+(tests/data/README.md).
 """
-
-from __future__ import annotations
 
 from pathlib import Path
 

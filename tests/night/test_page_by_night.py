@@ -1,7 +1,5 @@
 """The page by night: in Firefox too, and under random actions."""
 
-from __future__ import annotations
-
 import asyncio
 import csv
 import random

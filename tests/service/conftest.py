@@ -1,13 +1,12 @@
 """A server of one's own, run as users run it, and the tools that are not ours."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import pytest
 
+import postgres
 from services import Server, services
-from tools import tool
+from tools import absent, tool
 
 pytest.register_assert_rewrite("ledger_laws")
 
@@ -35,3 +34,13 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 def server(shared: Server) -> str:
     """Return the address of the service that all clients share."""
     return shared.address
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[postgres.Postgres]:
+    """Debian's PostgreSQL, on loopback; tests that stop it start it again."""
+    programs = postgres.programs()
+    if programs is None:
+        absent("PostgreSQL is not installed")
+    with postgres.running(programs) as server:
+        yield server

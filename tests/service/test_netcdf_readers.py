@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 
 from night import NIGHT
-from once import made_once
 from tools import tool
 from waiting import PATIENCE
 
@@ -48,13 +47,10 @@ def run(*command: str | Path) -> subprocess.CompletedProcess[str]:
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Return the file of each study, all written by one run of the command line."""
-
-    def make(folder: Path) -> None:
-        vibrafeed = Path(sysconfig.get_path("scripts")) / "vibrafeed"
-        done = run(vibrafeed, "run", *STUDIES, "-o", folder)
-        assert done.returncode == 0, done.stdout + done.stderr
-
-    folder = made_once(tmp_path_factory, "files-for-readers", make)
+    vibrafeed = Path(sysconfig.get_path("scripts")) / "vibrafeed"
+    folder = tmp_path_factory.mktemp("files")
+    done = run(vibrafeed, "run", *STUDIES, "-o", folder)
+    assert done.returncode == 0, done.stdout + done.stderr
     written = {path.stem: path for path in folder.iterdir()}
     assert sorted(written) == NAMES
     return written
@@ -78,13 +74,10 @@ def complaints(
     compliance_checker: str, files: dict[str, Path], tmp_path_factory: pytest.TempPathFactory
 ) -> dict[str, list[str]]:
     command = [compliance_checker, "--test=cf:1.11", "--criteria=strict", "-f", "json_new", "-o"]
-
-    def make(folder: Path) -> None:
-        done = run(*command, folder / "report.json", *files.values())
-        assert (folder / "report.json").exists(), done.stdout + done.stderr
-
-    folder = made_once(tmp_path_factory, "cf-of-readers", make)
-    found = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    report = tmp_path_factory.mktemp("cf") / "report.json"
+    done = run(*command, report, *files.values())
+    assert report.exists(), done.stdout + done.stderr
+    found = json.loads(report.read_text(encoding="utf-8"))
     return {
         Path(path).stem: [
             f"{check['name']}: {message}"

@@ -6,9 +6,11 @@ from typing import Any
 import pytest
 
 from night import spread
-from schemas import expanded, whole_schema
 from vibrafeed.core.kinds import KINDS
+from vibrafeed.core.motion import SYSTEMS
 from vibrafeed.core.quantities import QUANTITIES, WORDS
+from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.schema import study_schema
 
 MOST = 330_000  # bytes as `vibrafeed scenes --schema` prints it; it was 4.8 million
 NAMED = ("scene", "outputs", "variant", "method")
@@ -16,8 +18,21 @@ NAMED = ("scene", "outputs", "variant", "method")
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    return whole_schema(tmp_path_factory)
+def whole() -> dict[str, Any]:
+    """Return the schema as it is written."""
+    return json.loads(json.dumps(study_schema(), allow_nan=False))
+
+
+def expanded(schema: Any, root: dict[str, Any]) -> Any:
+    """Return a schema with what each reference leads to in its place."""
+    if isinstance(schema, list):
+        return [expanded(one, root) for one in schema]
+    if not isinstance(schema, dict):
+        return schema
+    rest = {key: expanded(one, root) for key, one in schema.items() if key != "$ref"}
+    if "$ref" not in schema:
+        return rest
+    return {**expanded(root["$defs"][schema["$ref"].rpartition("/")[2]], root), **rest}
 
 
 def test_it_is_small_and_every_reference_leads_somewhere(whole):
@@ -41,3 +56,11 @@ def test_each_kind_is_that_of_its_model(whole, place):
     assert {**schema, "properties": 0} == {**plain, "properties": 0}
     parameters = schema["properties"]["parameters"]["properties"]
     assert set(parameters) == {name for name, one in QUANTITIES.items() if one.parameter} | {*WORDS}
+
+
+def test_it_knows_every_scene(whole):
+    kinds = [expanded(kind, whole)["properties"] for kind in whole["oneOf"]]
+    assert [kind["kind"]["const"] for kind in kinds] == list(KINDS)
+    assert kinds[0]["scene"]["enum"] == list(SCENES)
+    assert kinds[1]["scene"]["enum"] == list(SYSTEMS)
+    assert all(quantity.examples for quantity in QUANTITIES.values() if quantity.parameter)

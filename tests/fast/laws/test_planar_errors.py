@@ -1,9 +1,7 @@
 """The errors that planar events state, where they are hard to state.
 
-The velocities were computed to 20 digits by `python tests/helpers/planar_digits.py`.
+The velocities were computed to 20 digits by another program (tests/data/README.md).
 """
-
-from __future__ import annotations
 
 import json
 import math

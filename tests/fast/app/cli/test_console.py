@@ -1,7 +1,5 @@
 """What the command line shows: numbers, units, tables, the catalogue, help and completion."""
 
-from __future__ import annotations
-
 import json
 import re
 
@@ -18,7 +16,7 @@ from vibrafeed.app.cli.units import format_number, shown_range
 from vibrafeed.core.dataset.table import percent_with_error
 from vibrafeed.core.plan.prepared import in_words
 from vibrafeed.core.plots.drawing import draw
-from vibrafeed.core.study.shown import ShownUnits, read_shown
+from vibrafeed.core.study.shown import read_shown
 
 STUDY = """
 kind = "sweep"
@@ -84,13 +82,13 @@ def test_a_time_is_never_in_powers_of_ten(seconds, words):
 @pytest.mark.parametrize(
     ("least", "largest", "units", "shown"),
     [
-        (0.0123456, 0.0123466, ShownUnits(), ("mm/s", "12.3456", "12.3466")),
-        (None, None, ShownUnits(), ("mm/s", "-", "-")),
-        (0.5, 0.5, read_shown(["m/min"]), ("m/min", "30", "30")),
+        (0.0123456, 0.0123466, [], ("mm/s", "12.3456", "12.3466")),
+        (None, None, [], ("mm/s", "-", "-")),
+        (0.5, 0.5, ["m/min"], ("m/min", "30", "30")),
     ],
 )
 def test_the_least_and_the_largest_value_never_look_alike(least, largest, units, shown):
-    assert shown_range("m s-1", least, largest, units) == shown
+    assert shown_range("m s-1", least, largest, read_shown(units)) == shown
 
 
 def test_one_design_is_one_column_in_units_of_the_trade():

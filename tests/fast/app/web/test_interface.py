@@ -1,7 +1,5 @@
 """The HTTP interface: documents, studies read, refused, converted, computed; and the page."""
 
-from __future__ import annotations
-
 import codecs
 import gzip
 import hashlib

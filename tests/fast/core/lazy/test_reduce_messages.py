@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 
+from refusals import places_of, problems_of
 from vibrafeed.core.errors import LimitError, StoppedError, StudyError
 from vibrafeed.core.intake import parse_study, prepare_content
 from vibrafeed.core.kinds import open_lazily, tabulate
@@ -23,9 +24,7 @@ STUDY = {
 
 
 def problems(**asked: Any) -> list[str]:
-    with pytest.raises(StudyError) as refused:
-        prepare_content({**STUDY, "reduce": asked})
-    return [str(problem) for problem in refused.value.problems]
+    return [str(problem) for problem in problems_of(prepare_content, {**STUDY, "reduce": asked})]
 
 
 MAX = {"statistics": ["max"]}
@@ -175,9 +174,12 @@ def test_what_is_stopped_is_no_answer_and_what_is_reduced_has_no_cells() -> None
 def test_what_a_simulation_cannot_tell_of_a_reduction_and_all_at_once(own: dict[str, Any]) -> None:
     outputs = ["conveying_velocity", "motion_status", "acceleration_q"]
     study = {**STUDY, "kind": "simulate", "outputs": outputs, **own}
-    with pytest.raises(StudyError) as refused:
-        prepare_content({**study, "reduce": {"over": ["beta", "gamma"], "of": ["motion_status"]}})
-    places = {problem.place for problem in refused.value.problems}
+    places = set(
+        places_of(
+            prepare_content,
+            {**study, "reduce": {"over": ["beta", "gamma"], "of": ["motion_status"]}},
+        )
+    )
     assert {"outputs", *own, "reduce.over.1", "reduce.of.0"} <= places
 
 
@@ -200,6 +202,6 @@ def test_quantiles_of_more_cells_than_memory_holds_are_refused() -> None:
     parameters = {**STUDY["parameters"], "beta": {"start": 0, "stop": 60, "num": 10_000}}
     parameters["amplitude"] = {"start": 1e-4, "stop": 1e-3, "num": 10_000}
     asked = {"over": ["amplitude", "beta"], "quantiles": [0.5]}
-    with pytest.raises(StudyError) as refused:
-        prepare_content({**STUDY, "parameters": parameters, "reduce": asked})
-    assert [problem.place for problem in refused.value.problems] == ["reduce.quantiles"]
+    assert places_of(prepare_content, {**STUDY, "parameters": parameters, "reduce": asked}) == [
+        "reduce.quantiles"
+    ]

@@ -4,8 +4,6 @@ The drive of all of them: 50 Hz, 0.3 mm along, 0.1 mm normal that lags by 0.6 ra
 part with friction 0.3 then travels with +56.6 mm/s (a time integration of another program).
 """
 
-from __future__ import annotations
-
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -13,6 +11,7 @@ import pytest
 
 from night import spread
 from recordings import signal_of
+from refusals import words_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.intake.sections import read_rows
@@ -52,9 +51,7 @@ def is_true(fit):
 
 def refused(text, recording=AX_AZ):
     """Return the problems of a recording, as a user reads them."""
-    with pytest.raises(StudyError) as caught:
-        fit_drive(text, recording)
-    return str(caught.value)
+    return words_of(fit_drive, text, recording)
 
 
 # --- times

@@ -1,7 +1,5 @@
 """Recordings and observations as users have them: what is read, and what is said of the rest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from recordings import DRIVE, csv_of, signal_of
+from refusals import problems_of, words_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.intake.forms import resolve_files
@@ -24,9 +23,7 @@ CHANNELS = Recording(along="ax", normal="az")
 
 def refused(source, recording=CHANNELS):
     """Return the problems, as a user reads them."""
-    with pytest.raises(StudyError) as caught:
-        read_signal(source, recording)
-    return str(caught.value).split("\n")
+    return words_of(read_signal, source, recording).split("\n")
 
 
 def changed(line, cells):
@@ -316,9 +313,7 @@ def signal(source, **more):
 
 
 def refusal(source, **more):
-    with pytest.raises(StudyError) as caught:
-        signal(source, **more)
-    return [str(problem) for problem in caught.value.problems]
+    return [str(problem) for problem in problems_of(signal, source, **more)]
 
 
 @pytest.mark.parametrize(

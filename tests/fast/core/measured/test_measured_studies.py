@@ -1,7 +1,5 @@
 """Studies whose drive is a recording: what they become, what is refused, what speeds are worth."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 
@@ -12,6 +10,7 @@ import vibrafeed
 from benchmarks.measured_errors import CASES, fitted
 from benchmarks.measured_speeds import study_of
 from recordings import DRIVE, csv_of, signal_of
+from refusals import problems_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_json, parse_study, prepare_content
 from vibrafeed.core.intake import section as measured
@@ -33,9 +32,7 @@ def study(drive=DATA, **changes):
 
 
 def refused(content, *, files=True):
-    with pytest.raises(StudyError) as caught:
-        prepare_content(content, files=files)
-    return [str(problem) for problem in caught.value.problems]
+    return [str(problem) for problem in problems_of(prepare_content, content, files=files)]
 
 
 def test_the_numbers_of_the_fit_become_parameters():
@@ -174,9 +171,9 @@ def test_the_error_of_a_speed_is_that_of_what_comes_from_the_recording():
     assert (whole.draws, whole.without) == (200, 0)
     assert 0 < rest.standard_deviation != whole.standard_deviation
     plain = {"frequency": 49, "amplitude": 1e-4, "beta": 20, "friction": [0.2, 0.3]}
-    with pytest.raises(StudyError) as caught:
-        drive_error(study_of(plain), fit, draws=3)
-    assert [str(problem) for problem in caught.value.problems] == [
+    assert [
+        str(problem) for problem in problems_of(drive_error, study_of(plain), fit, draws=3)
+    ] == [
         "parameters.friction: friction has several values, but the error is computed for one cell. "
         "Give one value.",
         "drive: the study takes no number from the recording. Remove the parameters of the "

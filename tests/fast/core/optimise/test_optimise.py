@@ -1,7 +1,5 @@
 """Optima: what they tell, what no optimum looks like, and what the user does not know."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -21,6 +19,7 @@ from vibrafeed.core.plots.pictures import PlotError
 from vibrafeed.core.plots.style import Options
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, REGIMES
 from vibrafeed.core.watch import Watch
+from work import calls
 
 CONFIGS = Path(__file__).parents[4] / "configs"
 # The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
@@ -196,6 +195,38 @@ def test_a_drive_just_strong_enough_moves_the_part():
     dataset = solved(variant="physical", criterion={"kind": "maximise"}, parameters=parameters)
     assert status(dataset) == "optimal"
     assert float(dataset.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
+
+
+# --- the trade-off
+
+
+def of_case_b(criterion):
+    given = {"frequency": 60, "amplitude": 1e-4, "friction": 0.5, "gravity": 9.81}
+    return parse_study(content(criterion=criterion, parameters=given))
+
+
+def test_the_front_of_case_b_is_the_curve():
+    """Below lift-off beta = atan(mu (cos alpha + sin alpha)), theory 12.1."""
+    dataset = run_study(of_case_b({"kind": "pareto", "points": 200}))
+    alpha, beta = np.radians(dataset.best_alpha.values), np.radians(dataset.best_beta.values)
+    curve = np.arctan(0.5 * (np.cos(alpha) + np.sin(alpha)))
+    np.testing.assert_allclose(beta, curve, rtol=0, atol=1e-8)
+    a_x, a_y = dataset.acceleration_x.values, np.abs(dataset.acceleration_y.values)
+    assert np.all(np.diff(a_x) < 0)
+    assert np.all(np.diff(a_y) < 0)
+    assert (alpha[0], dataset.front.values[0], dataset.front.values[-1]) == (0.0, 0.0, 1.0)
+    assert a_y[-1] < 1e-14
+    assert dataset.optimum_gap.max() < 1e-12
+    # The knee: no point lies farther from the chord between the ends.
+    share = (a_x - a_x[-1]) / (a_x[0] - a_x[-1]) - (a_y - a_y[-1]) / (a_y[0] - a_y[-1])
+    assert dataset.knee.values.sum() == 1
+    assert share[dataset.knee.values == 1][0] == share.max() > 0.2
+
+
+def test_a_front_of_200_points_takes_less_work_than_ten_single_limits():
+    single = of_case_b({"kind": "limit", "limit": 1.0})
+    front = of_case_b({"kind": "pareto", "points": 200})
+    assert calls(lambda: run_study(front)) < 10 * calls(lambda: run_study(single))
 
 
 def test_knees():

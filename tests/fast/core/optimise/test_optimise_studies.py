@@ -1,7 +1,5 @@
 """Studies of optimisation, also of any number of a drive, and what is said of wrong ones."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +7,7 @@ import pytest
 
 import vibrafeed
 from benchmarks.best_wave import motions, steps, study
-from vibrafeed.core.errors import StudyError
+from refusals import told_of
 from vibrafeed.core.intake import load_study, parse_json, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.optimise.optima import designs_of
@@ -38,9 +36,7 @@ def content(**change):
 
 
 def problems(**change) -> dict[str, str]:
-    with pytest.raises(StudyError) as caught:
-        prepare_content(content(**change))
-    return {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
+    return told_of(prepare_content, content(**change))
 
 
 def test_all_mistakes_are_told_at_once():
@@ -201,9 +197,7 @@ def test_the_worst_case_is_that_of_every_value_by_itself() -> None:
     ],
 )  # fmt: skip
 def test_what_is_said_of_wrong_drives(changes, problems) -> None:
-    with pytest.raises(StudyError) as caught:
-        prepare_content(study(variables=steps(3)) | changes)
-    told = {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
+    told = told_of(prepare_content, study(variables=steps(3)) | changes)
     assert told.keys() == problems.keys()
     assert all(words in told[place] for place, words in problems.items())
 

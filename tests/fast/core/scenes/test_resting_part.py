@@ -1,7 +1,5 @@
 """Resting shares and toppling: worked values, measured throws, limits, descents, rocking."""
 
-from __future__ import annotations
-
 import re
 
 import mpmath

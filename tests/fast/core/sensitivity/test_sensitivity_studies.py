@@ -1,7 +1,5 @@
 """Studies of uncertain parameters: closed cases, laws, indices, and what a study may say."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -12,6 +10,7 @@ from scipy.stats import sobol_indices as of_scipy
 
 import vibrafeed
 from benchmarks.sobol_indices import FUNCTIONS, sobol_indices
+from refusals import told_of
 from vibrafeed.core.errors import StoppedError, StudyError
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import KINDS, tabulate
@@ -213,9 +212,7 @@ def test_a_budget_says_where_the_output_bends_at_once():
     ],
 )  # fmt: skip
 def test_every_error_is_told_with_its_place(change, problems):
-    with pytest.raises(StudyError) as caught:
-        prepare_content({"kind": "sensitivity", **PLANE, **change})
-    told = {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
+    told = told_of(prepare_content, {"kind": "sensitivity", **PLANE, **change})
     for place, words in problems.items():
         assert any(one.startswith(place) and words in told[one] for one in told), (place, told)
 

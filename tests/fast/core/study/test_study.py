@@ -1,7 +1,5 @@
 """Studies: units, ranges, and messages that a newcomer can act on."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 
@@ -10,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from refusals import problems_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import parse_json, parse_study, parse_toml, prepare_content
 from vibrafeed.core.quantities import QUANTITIES
@@ -99,9 +98,7 @@ def test_a_value_is_read_exactly(name, written, value):
     ],
 )
 def test_a_wrong_value_is_refused_with_the_way_to_write_it(name, written, words):
-    with pytest.raises(StudyError) as caught:
-        parse_study(plane(**{name: written}))
-    (problem,) = caught.value.problems
+    (problem,) = problems_of(parse_study, plane(**{name: written}))
     assert problem.place == f"parameters.{name}"
     for word in words:
         assert word in f"{problem.message} {problem.fix}"
@@ -127,12 +124,14 @@ def test_a_range_has_the_values_that_it_says(written, values):
 
 
 def test_every_problem_is_reported_at_once_with_its_place():
-    with pytest.raises(StudyError) as caught:
-        parse_toml(
+    fixes = {
+        problem.place: problem.fix
+        for problem in problems_of(
+            parse_toml,
             'kind = "sweep"\nscene = "rectangle-on-plane"\noutput = ["x"]\n'
-            '[parameters]\nfrequencey = "50 Hz"\namplitude = "1 kg"\nfriction = -1\n'
+            '[parameters]\nfrequencey = "50 Hz"\namplitude = "1 kg"\nfriction = -1\n',
         )
-    fixes = {problem.place: problem.fix for problem in caught.value.problems}
+    }
     places = ("frequencey", "amplitude", "friction")
     assert fixes.keys() == {"outputs", "output", *(f"parameters.{name}" for name in places)}
     assert fixes["parameters.frequencey"] == "Did you mean 'frequency'?"
@@ -220,9 +219,10 @@ WRONG = [
 
 @pytest.mark.parametrize(("change", "place", "message", "fix"), WRONG)
 def test_another_type_is_told(change, place, message, fix):
-    with pytest.raises(StudyError) as raised:
-        prepare_content({**SIMULATE, **change})
-    told = [(one.place, one.message, one.fix) for one in raised.value.problems]
+    told = [
+        (one.place, one.message, one.fix)
+        for one in problems_of(prepare_content, {**SIMULATE, **change})
+    ]
     assert (place, message, fix) in told
 
 

@@ -1,13 +1,12 @@
 """Azimuth, elevation, climb and lean stand for alpha, beta, gamma and delta in every way in."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
 import pytest
 import xarray
 
+from refusals import problems_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import (
     gather,
@@ -82,9 +81,7 @@ def in_words(study):
 
 
 def told(content):
-    with pytest.raises(StudyError) as caught:
-        prepare_content(content)
-    return [str(problem) for problem in caught.value.problems]
+    return [str(problem) for problem in problems_of(prepare_content, content)]
 
 
 @pytest.mark.parametrize("section", STUDIES)

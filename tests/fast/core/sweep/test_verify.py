@@ -1,7 +1,5 @@
 """Cells evaluated again: `verify` tells the truth, sees what is wrong, and can be stopped."""
 
-from __future__ import annotations
-
 import importlib
 import math
 from dataclasses import replace
@@ -11,6 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from refusals import places_of
 from verified_studies import BEST, BOUND, DRIVE, MOTION, PAIR, STUDIES, SWEEP, number, told
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import prepare_content
@@ -239,9 +238,7 @@ def test_the_cells_are_different_and_the_same_each_time():
     [*((kind, 0) for kind in STUDIES), *(("sweep", n) for n in (10_001, 1.5, True))],
 )
 def test_a_wrong_number_is_refused_with_its_place(kind, wrong):
-    with pytest.raises(StudyError) as refusal:
-        prepare_content({**STUDIES[kind], "verify": wrong})
-    assert [problem.place for problem in refusal.value.problems] == ["verify"]
+    assert places_of(prepare_content, {**STUDIES[kind], "verify": wrong}) == ["verify"]
 
 
 def test_what_would_take_too_long_is_refused():
