@@ -269,11 +269,12 @@ def calibrate(
     observations: str | Sequence[Mapping[str, Any]] | None = None, error: float | str | None = None,
     unknowns: Maps | None = None, offsets: Maps | None = None, factors: Maps | None = None,
     candidates: Mapping[str, Values] | None = None, discrepancy: bool | None = None,
-    outlier_probability: float | None = None, points: int | None = None, method: str | None = None,
+    likelihood: str | None = None, outlier_probability: float | None = None,
+    points: int | None = None, method: str | None = None,
     drive: Mapping[str, Any] | None = None, tolerance: float | None = None,
     max_periods: int | None = None, verify: int | None = None, **parameters: Unpack[Keywords],
 ) -> xarray.Dataset:  # fmt: skip
-    """Return the estimates of unknown parameters from measured speeds.
+    """Return the estimates of unknown parameters from measured speeds or amplitudes.
 
     Parameters
     ----------
@@ -289,6 +290,7 @@ def calibrate(
         offsets, factors : unknown offsets and factors of parameters, alike
         candidates : drives that could be run next: which of them adds most
         discrepancy : True if speeds may scatter by more than their errors
+        likelihood : "normal", or "student_t" for errors of which a few are large
         outlier_probability, points : of wrong regimes; most points of the unknowns
     As in `simulate` : method, drive, tolerance, max_periods, verify
 

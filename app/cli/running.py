@@ -198,10 +198,10 @@ class Running:
         self.solved &= not is_infeasible(table)
         console.say(f"{path} -> {target}")
         show_result(facts, table, self.units, everything=self.checked is not None)
-        searching = time.perf_counter()
+        began = time.perf_counter()
         for line in nearest(table, units_asked(self.units), self.deadline):
             console.tell(f"  {line}")
-            seconds["searching"] = time.perf_counter() - searching
+            seconds["searching"] = time.perf_counter() - began
         if facts["cells_computed"] < facts["cells"]:
             options = "--resume" if target.endswith(".nc") else "--resume --force"
             console.fail(f"  The same command with {options} computes the whole study again.")
@@ -210,8 +210,8 @@ class Running:
         done, cells = facts["cells_computed"], facts["cells"]
         of = f"{done:,} of {cells:,}" if done < cells else f"{cells:,}"
         noun = "cell" if cells == 1 else "cells"
-        searched = seconds.get("searching")
-        searched = f"nearest designs searched in {searched:.3f} s, " if searched else ""
+        searching = seconds.get("searching", 0.0)
+        searched = f"nearest designs searched in {searching:.3f} s, " if searching else ""
         console.say(
             f"  {of} {noun} evaluated in {seconds['computing']:.3f} s, {searched}"
             f"written in {seconds['writing']:.3f} s"

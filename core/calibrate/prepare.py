@@ -58,8 +58,9 @@ def prepare(study: CalibrateStudy) -> Calibration:
     try:
         scene, method, found = choose(study.scene, study.method, named)
         problems += [*found, *_of_scene(study, scene, method, output)]
-        outputs = (AMPLITUDE,) if output == AMPLITUDE or scene.name in UNITS else OUTPUTS
-        outputs += ("feed_rate",) if output == "feed_rate" else ()
+        outputs = [*OUTPUTS, *(["feed_rate"] if output == "feed_rate" else [])]
+        if output == AMPLITUDE or scene.name in UNITS:
+            outputs = [AMPLITUDE]
         plan = plan_scene(scene, method, outputs, tuple(named), {*shared, *columns})
     except StudyError as error_:
         raise StudyError(

@@ -6,6 +6,7 @@ from vibrafeed.core.errors import Problem
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.quantities import FLAGS
+from vibrafeed.core.study.grid_study import PARAMETERS
 from vibrafeed.core.study.reduction import Reduction
 from vibrafeed.core.study.values import DESIGN, Fixed, Paired, Values
 from vibrafeed.core.suggestions import Suggestions
@@ -69,9 +70,16 @@ def _names(
 def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
     """Return the problems of a reduction that only the plan of its study can tell.
 
-    They are regimes that no cell can have, levels along axes that their output does not depend on,
-    and quantiles of more cells than memory holds.
+    They are axes that no output depends on, regimes that no cell can have, levels along axes that
+    their output does not depend on, and quantiles of more cells than memory holds.
     """
+    idle = [
+        Problem(f"reduce.over.{k}", f"no requested output depends on {name}", "Leave it out")
+        for k, name in enumerate(asked.over)
+        if name in PARAMETERS and name not in {*grid.along, *grid.fixed}
+    ]
+    if idle:
+        return idle
     return [*_regimes(asked, plan), *_levels(asked, plan, grid), *_quantiles(asked, grid)]
 
 

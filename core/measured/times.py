@@ -110,11 +110,16 @@ def read_times(table: InputTable, rate: float | str | None, time: str | None) ->
     steps, lines = np.diff(times), table.lines
     backward = np.flatnonzero(steps <= 0)
     if backward.size:
+        # Without its times, a recording that runs backwards would turn the ellipse round.
+        is_unsorted = (steps < 0).mean() > MOST_LOST
+        fix = (
+            "Write the times with more digits, or give the sampling rate (rate) and leave time out"
+        )
         raise refused(
             "time",
             f"the times in the recording's column '{name}' do not increase in {backward.size} "
             f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
-            "Write the times with more digits, or give the sampling rate (rate) and leave time out",
+            "Sort the rows by their times" if is_unsorted else fix,
         )
     even = _even_if_rounded(times)
     if steps.size and even is times and _lost(steps) > MOST_LOST:

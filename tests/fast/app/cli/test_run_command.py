@@ -212,13 +212,14 @@ gamma = 3
 def test_an_optimum_without_a_solution_tells_what_helps_and_has_its_own_exit_code(monkeypatch):
     way = {"change": "an elliptical drive", "output": "conveying_velocity", "value": 0.1956}
     way = SimpleNamespace(**way, choice={"beta": 30.0})
-    monkeypatch.setattr("vibrafeed.core.optimise.ways", lambda study: [way])
+    monkeypatch.setattr("vibrafeed.core.optimise.ways", lambda study, watch: [way])
     saved(IMPOSSIBLE)
     asked = "(at least 500 m/s² is asked) with all other limits kept, at amplitude"
     other = (
         "With an elliptical drive: conveying_velocity 195.6 mm/s and all limits kept, at beta 30°."
     )
-    tells("run study.toml", "Nearest: acceleration_x ", asked, other, code=3)
+    told = "Nearest: acceleration_x ", asked, other, "nearest designs searched in"
+    tells("run study.toml", *told, code=3)
     assert said("run study.toml --force --quiet", 3) == ""
     assert Path("study.nc").exists()
 

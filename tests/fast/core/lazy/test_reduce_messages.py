@@ -131,6 +131,12 @@ def test_each_mistake_is_told_where_it_is(asked: dict[str, Any], told: str) -> N
     assert told in found[0]
 
 
+def test_an_axis_that_moves_no_output_is_not_reduced() -> None:
+    content = {**STUDY, "outputs": ["throw_number"], "reduce": {**MAX, "over": ["friction"]}}
+    with pytest.raises(StudyError, match=r"reduce.over.0: no requested output depends on friction"):
+        prepare_content(content)
+
+
 def test_equal_reductions_have_one_key() -> None:
     asked = {
         "over": ["friction", "beta", "beta"],

@@ -131,25 +131,6 @@ def test_a_logger_that_is_late_is_fitted_at_its_true_times():
     is_true(fit_drive(table(times, values, head="time [s],ax,az"), AX_AZ))
 
 
-# --- what stands above the numbers
-
-
-@pytest.mark.parametrize(
-    ("above", "head", "mark"),
-    [
-        ("", "#time,ax,az", ","),
-        ("# Klipper\n", "# time,ax,az", ","),
-        ('"sep=,"\n', "time,ax,az", ","),
-        ("Recorder;X1\nDate;2024-01-02\nRate;2000\n\n", "time;ax;az", ";"),
-        ("", "time;ax;az\ns;g;g", ";"),
-        ("LabVIEW Measurement\t\nSeparator\tTab\t\nSamples\t800\t800\n***End_of_Header***\t\t\n",
-         "X_Value\tax\taz\tComment", "\t"),
-    ],
-)  # fmt: skip
-def test_names_below_a_preamble_or_behind_a_sign_are_found(above, head, mark):
-    is_true(fit_drive(above + table(SIGNAL.times, head=head, mark=mark), AX_AZ))
-
-
 def test_commas_of_thousands_are_refused():
     milli, head = np.abs(G) * GRAVITY * 1e3, "time [ms];ax [mm/s2];az [mm/s2]"
     text = table(np.arange(800), milli, head, ";", "{:,.0f}")
