@@ -63,8 +63,8 @@ def sentences_on_bands(table: Table) -> list[str]:
         ("open", "parts have no mean speed at some values, such as where they run down"),
     ):
         if share := float(np.mean(signs == SIGNS[state].value)):
-            where = "" if share == 1 else f" in {percent(share)} of the cells"
-            sentences.append(f"For {over} {text}{where}.")
+            where = "" if share == 1 else f", in {percent(share)} of the cells,"
+            sentences.append(f"For {over}{where} {text}.")
     gap = table.coordinates.get("part_gap")
     if "feed_rate" in table.variables and gap is not None and not np.any(gap.values):
         sentences.append("The feed rate is an upper bound: its parts touch, with a part_gap of 0.")

@@ -262,7 +262,9 @@ class Signal(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def read_signal(source: str | Path | InputTable, recording: Recording) -> Signal:
+def read_signal(
+    source: str | Path | InputTable, recording: Recording, least: int = LEAST_SAMPLES
+) -> Signal:
     """Return the motion of a track from a recording, in the axes of the track, with times.
 
     Parameters
@@ -271,6 +273,8 @@ def read_signal(source: str | Path | InputTable, recording: Recording) -> Signal
         The recording: the text of a table, the path of a file, or the table read from it.
     recording : Recording
         Section of the study that says which columns hold what: axes, units, times, mounting.
+    least : int
+        The fewest samples that are read.
 
     Raises
     ------
@@ -303,12 +307,12 @@ def read_signal(source: str | Path | InputTable, recording: Recording) -> Signal
                 f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out",
             )
         )
-    if len(table.lines) < LEAST_SAMPLES:
+    if len(table.lines) < least:
         problems.append(
             Problem(
                 "recording",
                 f"the recording has {len(table.lines)} samples, which is too few",
-                f"Record at least {LEAST_SAMPLES} samples over ten periods or more",
+                f"Record at least {least} samples",
             )
         )
     if len({kind for *_, kind in channels}) > 1:
@@ -347,7 +351,7 @@ def read_once(table: InputTable, recording: Recording) -> tuple[Signal, dict[str
     acceleration, which is gravity, if the sensor shows it, and what is left over at the end. That
     is the second, by axis [m s-2]. Raises `StudyError` with all problems.
     """
-    signal = read_signal(table, recording)
+    signal = read_signal(table, recording, least=2)
     problems = [
         Problem(key, "it belongs to a fit, and the recording is followed once", "Leave it out")
         for key in ("line_frequency", "frequency", "harmonics")

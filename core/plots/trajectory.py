@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
-from vibrafeed.core.dataset.table import flags_of
+from vibrafeed.core.dataset.bands import ENDS, known_between, rounded
+from vibrafeed.core.dataset.table import Table, flags_of
 from vibrafeed.core.errors import VibrafeedError
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.kinds.results import prepare, tabulate
@@ -281,9 +282,15 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
     mean = dataset.get("conveying_velocity")
     if mean is not None and not mean.ndim and np.isfinite(mean):
         shown = units.of("m s-1", abs(float(mean)))
-        facts.append(
-            f"mean velocity {with_unit(number(shown.factor * float(mean), 4), shown.unit)}"
-        )
+        told = number(shown.factor * float(mean), 4)
+        over = known_between(Table.of_xarray(dataset).coordinates)
+        if over:
+            ends = [dataset[f"{mean.name}_{end}"] for end in ENDS]
+            three = [shown.factor * float(one) for one in (mean, *ends)]
+            told, *band = (rounded(one, three[2] - three[1]) for one in three)
+            over = f", {' to '.join(band)} for {over}"
+        fact = f"mean velocity {with_unit(told, shown.unit)}{over}"
+        facts.append(fact.replace("-", "\N{MINUS SIGN}"))
     if not dataset["regime"].ndim:
         facts.append("regime " + words(_flag(dataset["regime"], int(dataset["regime"]))))
     return [fact.replace(" ", SPACE) for fact in facts] + held_fixed(dataset, units)

@@ -7,8 +7,9 @@ import reprlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial, wraps
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal, Self
 
 from pydantic import (
     BaseModel,
@@ -101,6 +102,7 @@ class RecordedDrive(BaseModel):
     )
     once: bool = Field(
         False,
+        strict=True,
         description="Follow the recording as it is, from rest to rest, instead of its harmonics: "
         "for burst_displacement.",
     )
@@ -145,6 +147,16 @@ class MeasuredDrive(BaseModel):
         description="Of a recording followed once: its mean acceleration [m s-2], which is left "
         "out so that the track ends at rest.",
     )
+
+    @model_validator(mode="after")
+    def _check_samples(self) -> Self:
+        times = (self.samples or {}).get("time", ())
+        rise = all(before < after for before, after in pairwise(times))
+        lengths = {len(one) for one in (self.samples or {}).values()}
+        if self.samples is not None and (lengths != {len(times)} or times[0] != 0.0 or not rise):
+            message = "its samples are not values at times that rise from 0"
+            raise refusal(message, CARRY_OUT)
+        return self
 
 
 def only_the_plain_sine(fix: str) -> Problem:

@@ -148,15 +148,15 @@ def once(columns, **more):
 @pytest.fixture(scope="module")
 def saw():
     """The velocity of the track under FAST_FIRST for ten periods, with a drift of 1 m/s^2."""
-    times = PERIOD / 12 * np.arange(121)
-    within = np.mod(np.arange(121), 12) / 12
+    times = PERIOD / 6 * np.arange(61)
+    within = np.mod(np.arange(61), 6) / 6
     speeds = 0.4 * G * PERIOD * np.where(within < 1 / 6, -5 * within, within - 1) * (within > 0)
     return {"data": recording(times, v=speeds + times), "along": "v"}
 
 
 def test_a_recording_of_velocities_is_the_drive_that_it_shows(saw):
     found = once(saw)
-    assert 1e3 * float(found.burst_displacement) == pytest.approx(3.176571429, abs=1e-8)
+    assert 1e3 * float(found.burst_displacement) == pytest.approx(3.176571429, rel=1e-8)
     assert float(found.burst_coasting_time) == pytest.approx(0, abs=1e-9)
     assert "without its mean acceleration, along 1 m s-2, " in found.attrs["drive"]
     assert float(found.frequency) == pytest.approx(1 / (10 * PERIOD))
@@ -166,7 +166,7 @@ def test_a_recording_of_velocities_is_the_drive_that_it_shows(saw):
 
 def test_a_recording_may_repeat_and_its_trajectory_goes_on_to_the_rest(saw):
     found = once(saw, burst_periods=2, trajectory=50)
-    assert 1e3 * float(found.burst_displacement) == pytest.approx(2 * 3.176571429, abs=1e-8)
+    assert 1e3 * float(found.burst_displacement) == pytest.approx(2 * 3.176571429, rel=1e-8)
     assert found.position_along.values[-1] == float(found.burst_displacement)
     # 0.4 g for 5/6 of a period, and back: the track goes back by this, twenty times.
     stroke = -0.5 * 0.4 * G * (5 * PERIOD / 6) * PERIOD
@@ -198,6 +198,8 @@ def test_a_recording_of_accelerations_is_as_good_as_its_samples():
         ({}, {"verify": 1}, "verify", "Leave it out"),
         ({"harmonics": 2}, {}, "drive.harmonics", "Leave it out"),
         ({"unit": "mm"}, {}, "drive.once", "velocities"),
+        ({"once": "yes"}, {}, "drive.once", "true or false"),
+        ({"data": "time [s],v [m/s]\n0,1"}, {}, "drive.data", "at least 2 samples"),
     ],
 )
 def test_what_no_recording_that_is_followed_once_has_is_told(saw, drive, more, place, told):
@@ -205,6 +207,19 @@ def test_what_no_recording_that_is_followed_once_has_is_told(saw, drive, more, p
         once({**saw, **drive}, **more)
     (problem,) = caught.value.problems
     assert (problem.place, told in problem.fix) == (place, True)
+
+
+@pytest.mark.parametrize(
+    "samples", [{"along": [0, 1]}, {"time": [0, 1, 1], "along": [0, 1, 0]},
+                {"time": [0, 1, 2], "along": [0, 1]}, {"time": [1, 2], "along": [0, 1]}],
+)  # fmt: skip
+def test_samples_from_the_network_are_looked_at(samples):
+    drive = {"name": "x", "sha256": 64 * "0", "left_over": {}, "numbers": {}, "samples": samples}
+    content = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": OUTPUTS}
+    parameters = {"friction": 0.3, "frequency": 5, "burst_periods": 1}
+    with pytest.raises(StudyError) as caught:
+        prepare_content({**content, "parameters": parameters, "drive": drive})
+    assert [one.place for one in caught.value.problems] == ["drive"]
 
 
 def test_other_kinds_need_a_drive_that_repeats(saw):

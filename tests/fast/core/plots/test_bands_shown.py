@@ -64,6 +64,9 @@ def test_the_page_says_the_band_in_the_digits_that_it_leaves():
     assert said.count(OVER) == 2
     assert "0.2 to 0.5" in said
     assert any("the direction of travel is not settled" in line for line in said)
+    written = vibrafeed.plot(nut).findobj(lambda one: hasattr(one, "get_text"))
+    beside = " ".join(" ".join(text.get_text() for text in written).split())
+    assert f"mean velocity 11 mm/s, {MINUS}10 to 25 {OVER}" in beside
 
 
 STUDY = """kind = "simulate"
