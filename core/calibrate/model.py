@@ -24,15 +24,13 @@ from vibrafeed.core.study.distributions import Normal
 from vibrafeed.core.watch import Watch
 
 CELLS_AT_A_TIME = 200_000  # motions that are predicted at a time: a bound on memory
-OUTPUTS = (
-    "conveying_velocity",
-    "conveying_velocity_spread",
-    "conveying_velocity_error",
-    "stick_fraction",
-    "flight_fraction",
-    "motion_status",
-)
-"""Outputs of a motion that a calibration reads."""
+SEEN = ("stick_fraction", "flight_fraction", "motion_status")
+"""Outputs of a motion that say what a part is seen to do."""
+SPEEDS = {
+    "conveying_velocity": ("conveying_velocity_spread", "conveying_velocity_error"),
+    "velocity_towards": ("velocity_error",),
+}
+"""The speed of a motion that is measured, along a track or on a plate, and its own errors."""
 
 
 MAX_DEVIATIONS = 5.0
@@ -130,7 +128,7 @@ class Runs:
     columns : mapping of str to ndarray, shape (runs,)
         The parameters in which runs differ, in the units of studies.
     output : str
-        The measured output: conveying_velocity or feed_rate.
+        The measured output: conveying_velocity, feed_rate or velocity_towards.
     value : ndarray, shape (runs,)
         Measured values, in the output's unit; NaN for a run without one.
     error : ndarray, shape (runs,)
@@ -144,6 +142,11 @@ class Runs:
     value: Array
     error: Array
     seen: tuple[str, ...]
+
+    @property
+    def speed(self) -> str:
+        """The speed from which the measured output follows."""
+        return self.output if self.output in SPEEDS else "conveying_velocity"
 
     def __len__(self) -> int:
         """Return the number of runs."""
@@ -257,8 +260,9 @@ class Model:
         given = self._parameters(points, columns)
         with np.errstate(all="ignore"):
             known = run_equations(self.plan, {n: given[n] for n in self.plan.parameters}, watch)
-            velocity, spread, error = (known[name] for name in OUTPUTS[:3])
-            variance = np.square(spread) + np.square(error)
+            speed = self.runs.speed
+            velocity = known[speed]
+            variance = sum(np.square(known[name]) for name in SPEEDS[speed])
             scale: Array | float = 1.0
             if self.runs.output == "feed_rate":
                 scale = feed_rate(

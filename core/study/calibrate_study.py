@@ -122,6 +122,7 @@ if TYPE_CHECKING:
 
         conveying_velocity: float | None = None
         feed_rate: float | None = None
+        velocity_towards: float | None = None
         error: float | None = None
         regime: str | None = None
 

@@ -198,7 +198,7 @@ CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise")
 DRIVE_ANGLES: Final = ("alpha", "beta")
 """The variables of an optimisation that names none."""
 
-OBSERVED: Final = ("conveying_velocity", "feed_rate")
+OBSERVED: Final = ("conveying_velocity", "feed_rate", "velocity_towards")
 """Outputs that may have been measured."""
 
 MAX_RUNS: Final = 1_000
