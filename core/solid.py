@@ -3,7 +3,6 @@
 An aspect is a way of lying: on a face of the hull, the foot of the centre of mass inside that face.
 """
 
-from collections.abc import Iterator
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 from trimesh import Trimesh
 
 from vibrafeed.core.quantities.orienting import MAX_ASPECTS, PartAspect
@@ -31,6 +30,8 @@ RISE, ROUNDED = 5e-3, np.cos(np.radians(12))
 less than this share of the size from one to the other."""
 COMPARED = 64
 """Corners by which a turned hull is compared."""
+WORK = 100_000_000
+"""Corners times faces that a comparison takes at most; hulls that need more are held to differ."""
 
 
 class RoundedError(ValueError):
@@ -53,7 +54,7 @@ class Hull:
     """
 
     def __init__(self, points: Floats) -> None:
-        hull = ConvexHull(points)
+        hull = _convex_hull(points)
         self.points: Floats = points[hull.vertices]
         self.size = float(np.linalg.norm(self.points, axis=1).max())
         renumbered = np.full(len(points), -1)
@@ -138,17 +139,19 @@ class Hull:
     def is_same_turned(self, down: Floats, other: Floats) -> bool:
         """True if a rotation that turns the direction `down` to `other` maps the hull to itself.
 
-        Its farthest corner from the axis has to come to another one as far and as high; then no
+        A farthest corner from the axis has to come to another one as far and as high; then no
         corner may lie outside.
         """
         before, after = (self.points @ _frame(one).T for one in (down, other))
         reach = np.hypot(*before[:, :2].T)
-        far = reach.argmax()
         tolerance = ALIKE * self.size
+        # The highest of the farthest: of edges between them rounding makes corners, too.
+        far = np.where(reach > reach.max() - tolerance, before[:, 2], -np.inf).argmax()
         alike = np.abs(np.hypot(*after[:, :2].T) - reach[far]) < tolerance
         alike &= np.abs(after[:, 2] - before[far, 2]) < tolerance
         some = before[:: max(1, len(before) // COMPARED)]
-        for x, y, _ in after[alike]:
+        tries = 1 + WORK // (len(some) * len(self.heights))
+        for x, y, _ in after[alike][:tries]:
             turn = np.arctan2(y, x) - np.arctan2(before[far, 1], before[far, 0])
             cos, sin = np.cos(turn), np.sin(turn)
             turned = some @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) @ _frame(other)
@@ -168,6 +171,14 @@ class Rims(NamedTuple):
     other: Indices
     beyond: Floats
     inside: Floats
+
+
+def _convex_hull(points: Floats) -> ConvexHull:
+    # Qhull merges facets in one plane, which takes the square of the corners of a fine round end.
+    try:
+        return ConvexHull(points, qhull_options="Q0")
+    except QhullError:
+        return ConvexHull(points)
 
 
 def _linked(first: Indices, second: Indices, count: int) -> Indices:
@@ -242,11 +253,7 @@ def _aspect(hull: Hull, gyration: Floats, face: int, let_down: float, thrown: fl
     axes = _frame(down)
     flat = hull.points @ axes[:2].T
     base = flat[np.unique(hull.facets[hull.faces == face])]
-    rectangles = ((lengths, along, _reach(base, along)) for lengths, along in _rectangles(flat))
-    # The least area; of equal ones the shorter base, which topples first.
-    (length, width), along, base_along = min(
-        rectangles, key=lambda one: (round(one[0][0] * one[0][1] / hull.size**2, 6), one[2])
-    )
+    length, width, along = _least_rectangle(flat, base, hull.size)
     across = np.array([-along[1], along[0]])
     about = across @ axes[:2]
     return PartAspect(
@@ -256,7 +263,7 @@ def _aspect(hull: Hull, gyration: Floats, face: int, let_down: float, thrown: fl
         centre_height=float(height),
         length=length,
         width=width,
-        base_along=base_along,
+        base_along=_reach(base, along),
         base_across=_reach(base, across),
         base_least=max(0.0, float(hull.edge_distances[face])),
         gyration=float(np.sqrt(about @ gyration @ about)),
@@ -271,11 +278,30 @@ def _reach(base: Floats, direction: Floats) -> float:
     return float(min(there.max(), -there.min()))
 
 
-def _rectangles(flat: Floats) -> Iterator[tuple[tuple[float, float], Floats]]:
-    """Rectangles on the sides of the hull of points in a plane: sizes and longer direction."""
+def _least_rectangle(flat: Floats, base: Floats, size: float) -> tuple[float, float, Floats]:
+    """The least rectangle about points in a plane: length, width, direction of its length.
+
+    It has a side on their hull. Of equal ones it is that of the shorter base, which topples first.
+    """
     rim = flat[ConvexHull(flat).vertices]
-    for side in np.roll(rim, -1, axis=0) - rim:
-        along = side / np.hypot(*side)
-        across = np.array([-along[1], along[0]])
-        length, width = (float(np.ptp(rim @ one)) for one in (along, across))
-        yield ((length, width), along) if length >= width else ((width, length), across)
+    sides = np.roll(rim, -1, axis=0) - rim
+    sides /= np.hypot(*sides.T)[:, None]
+    normals = np.stack([-sides[:, 1], sides[:, 0]], axis=1)
+    lengths, widths = (_farthest(rim, one) + _farthest(rim, -one) for one in (sides, normals))
+    along = np.where((lengths >= widths)[:, None], sides, normals)
+    middle = base - base.mean(axis=0)
+    ring = base[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
+    reach = np.minimum(_farthest(ring, along), _farthest(ring, -along))
+    best = np.lexsort(((reach / size).round(6), (lengths * widths / size**2).round(6)))[0]
+    width, length = sorted((float(lengths[best]), float(widths[best])))
+    return length, width, along[best]
+
+
+def _farthest(rim: Floats, directions: Floats) -> Floats:
+    """How far a convex polygon, counter-clockwise, reaches in each direction."""
+    sides = np.roll(rim, -1, axis=0) - rim
+    turned = np.unwrap(np.arctan2(sides[:, 1], sides[:, 0]))
+    # A side at a right angle to the direction ends in the farthest corner.
+    quarter = np.arctan2(directions[:, 0], -directions[:, 1])
+    first = np.searchsorted(turned, turned[0] + (quarter - turned[0]) % (2 * np.pi))
+    return np.asarray(np.einsum("ij,ij->i", rim[first % len(rim)], directions))

@@ -5,9 +5,13 @@ import binascii
 import hashlib
 import io
 import math
+import re
+import subprocess
+import sys
 from collections.abc import Iterable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -37,6 +41,9 @@ MAX_BYTES = 50_000_000  # a million triangles of a binary STL
 MAX_TRIANGLES = 1_000_000
 SUFFIXES = (".stl", ".obj", ".ply", ".step", ".stp")
 TURN = 0.05  # rad from facet to facet of a rounded side of a STEP file
+STEP_SECONDS = 60
+CONVERT = """import sys, cascadio
+cascadio.step_to_glb(*sys.argv[1:3], tol_angular=float(sys.argv[3]), merge_primitives=True)"""
 SIZES = (1e-5, 10.0)  # m, of parts
 FLAT = 1e-9  # volume over the cube of the length, below which there is none
 DIGITS = 12  # of kept numbers: few enough to be equal on all processors
@@ -95,8 +102,9 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
         raise StudyError(problems_of(error, {"part": PART}, PART.unknown, within="part")) from None
     raw, name = _content(asked, files)
     path = "part.data" if asked.file is None else "part.file"
-    solid = _solid(raw, name, path, asked.unit)
-    with np.errstate(invalid="ignore", divide="ignore"):  # without volume there is no centre
+    # Of numbers that are not finite the library tries normals; without volume there is no centre.
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        solid = _solid(raw, name, path, asked.unit)
         raise_any(_faults(solid, name, path))
     try:
         aspects = aspects_of(solid)
@@ -202,21 +210,56 @@ def _raise_if_unit_is_wrong(kind: str, unit: str | None) -> None:
         raise refused("part.unit", "it is missing", fix)
 
 
+def _damaged(path: str, says: str) -> StudyError:
+    return refused(path, f"the file is damaged, or is not of its kind: {says}"[:300], EXPORT)
+
+
+def _triangles_of_obj(raw: bytes) -> int:
+    count = raw.count(b"\nf")
+    if count > MAX_TRIANGLES:
+        return count
+    return sum(face.count(b" ") - 2 for face in re.findall(rb"^f .*\S", raw, re.MULTILINE))
+
+
+def _tessellated(raw: bytes, name: str, path: str) -> bytes:
+    """The surface of a STEP file as a GLB file, in metres.
+
+    A process of its own converts it: the library prints, and a damaged file can end its process.
+    """
+    _raise_if_missing("cascadio", "a STEP file")
+    if b"DOCUMENT_FILE" in raw:
+        raise refused(path, f"{name} refers to other files", "Export the part as one STEP file")
+    with TemporaryDirectory() as folder:
+        step, surface = Path(folder, "part.step"), Path(folder, "part.glb")
+        step.write_bytes(raw)
+        command = [sys.executable, "-c", CONVERT, str(step), str(surface), str(TURN)]
+        try:
+            subprocess.run(command, capture_output=True, timeout=STEP_SECONDS, check=False)
+        except subprocess.TimeoutExpired:
+            fix = "Export the part as STL"
+            raise refused(path, f"{name} takes more than {STEP_SECONDS} s to read", fix) from None
+        if not surface.is_file():
+            raise _damaged(path, f"{name} has no solid that can be read")
+        return surface.read_bytes()
+
+
 def _solid(raw: bytes, name: str, path: str, unit: str | None) -> "Trimesh":
     from trimesh import Trimesh, load_mesh  # as above
 
-    kind, options = _kind(raw, name), dict[str, Any]()
+    kind = _kind(raw, name)
     _raise_if_unit_is_wrong(kind, unit)
-    if kind == "step":
-        _raise_if_missing("cascadio", "a STEP file")
-        options = {"tol_angular": TURN}
     metre = 1.0 if unit is None else UNITS[unit]
+    if kind == "step":
+        raw, kind = _tessellated(raw, name, path), "glb"
+    if kind == "obj":
+        if _triangles_of_obj(raw) > MAX_TRIANGLES:
+            raise _too_large(path, name)
+        # Each material would be a surface of its own.
+        raw = re.sub(rb"^(usemtl|mtllib|o|g)\s.*", b"", raw, flags=re.MULTILINE)
     try:
-        solid = load_mesh(io.BytesIO(raw), file_type=kind, process=False, **options)
+        solid = load_mesh(io.BytesIO(raw), file_type=kind, process=False, skip_materials=True)
     except Exception as error:  # of a damaged file the library raises of many kinds
-        raise refused(
-            path, f"{name} is damaged, or is not a file of its kind: {error}"[:300], EXPORT
-        ) from None
+        raise _damaged(path, f"{name}: {error}") from None
     if not isinstance(solid, Trimesh) or not len(solid.faces):
         raise refused(path, f"{name} has no triangles, or is damaged", EXPORT)
     if len(solid.faces) > MAX_TRIANGLES:
@@ -225,11 +268,12 @@ def _solid(raw: bytes, name: str, path: str, unit: str | None) -> "Trimesh":
         raise refused(path, f"{name} has coordinates that are not finite numbers", EXPORT)
     size = metre * float(np.ptp(solid.vertices, axis=0).max())
     if not SIZES[0] <= size <= SIZES[1]:
+        fix = "give the unit of the file's coordinates: " + ", ".join(UNITS)
         raise refused(
-            "part.unit",
+            path if unit is None else "part.unit",
             f"the part is {size:.3g} m long",
-            f"Parts are {SIZES[0]:g} to {SIZES[1]:g} m long; give the unit of the file's "
-            f"coordinates: {', '.join(UNITS)}",
+            f"Parts are {SIZES[0]:g} to {SIZES[1]:g} m long; "
+            + (fix if unit else "export it in its true unit"),
         )
     solid.merge_vertices(merge_tex=True, merge_norm=True)
     corners = solid.faces

@@ -131,7 +131,9 @@ def test_a_step_file_says_its_unit(tmp_path):
         for name in outputs:  # its numbers have passed through 32 bits
             assert found[name].values == pytest.approx(known[name].values, rel=1e-6)
     assert "itself" in refusal({"data": text, "unit": "mm"})["part.unit"]
-    assert "part.data" in refusal({"data": text[: len(text) // 2]})
+    assert "no solid that can be read" in refusal({"data": text[: len(text) // 2]})["part.data"]
+    other = {"data": text.replace("DATA;", "DATA;\n#9=DOCUMENT_FILE('other.step','','',$,'',$);")}
+    assert "refers to other files" in refusal(other)["part.data"]
 
 
 def test_a_binary_file_as_text():
@@ -152,6 +154,17 @@ def test_a_cylinder_of_32_bit_numbers_in_any_position(sides, aspects):
     assert found.sizes["aspect"] == aspects
     side = 14 / np.hypot(14, 10)
     assert found.let_down_share.values[0] == pytest.approx(side, abs=2 / sides**2)
+
+
+def test_materials_and_groups_of_an_obj_file_are_one_body():
+    lines = trimesh.creation.box((30, 20, 10)).export(file_type="obj").splitlines()
+    grouped = [
+        f"o part{k}\nusemtl paint{k}\n{line}" if line.startswith("f") else line
+        for k, line in enumerate(lines)
+    ]
+    assert resting({"data": "\n".join(grouped), "unit": "mm"}).sizes["aspect"] == 3
+    polygon = "\n".join([*lines, "f " + "1 2 3 4 " * 300_000])
+    assert "is too large" in refusal({"data": polygon, "unit": "mm"})["part.data"]
 
 
 def test_a_service_reads_no_files():

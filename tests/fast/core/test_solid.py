@@ -178,3 +178,13 @@ def test_too_many_faces(monkeypatch):
     monkeypatch.setattr(vibrafeed.core.solid, "MAX_ASPECTS", 4)
     with pytest.raises(RoundedError, match="the part rests on 5 faces of its hull"):
         aspects_of(bracket())
+
+
+def test_corners_that_rounding_makes_in_flat_faces_change_nothing():
+    block = trimesh.creation.box((30, 20, 10)).subdivide().subdivide()
+    nut = trimesh.creation.annulus(3, 6, 5, sections=6)  # the inner hexagon lies in both ends
+    rng = np.random.default_rng(4)
+    for mesh, aspects in [(block, 3), (nut, 2)] * 3:
+        mesh.apply_transform(trimesh.transformations.random_rotation_matrix(rng.random(3)))
+        mesh.vertices = mesh.vertices.astype(np.float32)
+        assert len(aspects_of(mesh)) == aspects
