@@ -452,7 +452,8 @@ class Page {
     const isOwn = Object.keys(wanted.values ?? {}).length > 0;
     if (isOwn && begin.band && !wanted.band) begin.band = null; // a link says what is not known
     const values = { ...begin.values, ...wanted.values };
-    await this.open({ ...begin, ...wanted, values, question, scene: known ? wanted.scene : begin.scene }, { complaints, kept: Object.keys(wanted.values ?? {}) });
+    const named = new Set([...Object.keys(wanted), ...Object.keys(wanted.values ?? {})]);
+    await this.open({ ...begin, ...wanted, values, question, scene: known ? wanted.scene : begin.scene }, { complaints, named });
   }
 
   async openFigure(name, { complaints = [], isStep = true } = {}) {
@@ -499,8 +500,8 @@ class Page {
   }
 
   // Open a view with a picture of its own; `isStep` where going back undoes it. What an `isSwitching` user leaves
-  // behind needs no word; what is `kept`, by name, is somebody's.
-  async open(wanted, { complaints = [], isSwitching = false, isStep = false, kept = [] } = {}) {
+  // behind needs no word, nor what a link has not `named`: its question begins with it.
+  async open(wanted, { complaints = [], isSwitching = false, isStep = false, named = null } = {}) {
     const opening = {};
     this.opening = opening;
     byId("picture").setAttribute("aria-busy", "true");
@@ -527,7 +528,8 @@ class Page {
     scene = withSet(scene, wanted.set);
     learn(scene);
     const made = complete(wanted, scene);
-    complaints.push(...made.complaints, ...(isSwitching ? [] : made.foreign));
+    const isTold = ({ of, isForeign }) => (named ? named.has(of) : !(isSwitching && isForeign));
+    complaints.push(...made.complaints.filter(isTold).map(({ text }) => text));
     const { view } = made;
     const figures = LISTED.has(view.question) ? await this.catalogue.figures() : null;
     if (isLeft()) return;
@@ -537,7 +539,7 @@ class Page {
       if (!isSwitching) complaints.push(...whole.complaints);
     }
     this.opening = null;
-    this.show(view, scene, { figures, isKept: kept.includes(view.x.name), isSwitching });
+    this.show(view, scene, { figures, isKept: Boolean(named?.has(view.x.name)), isSwitching });
     this.keep({ isStep });
     this.notice.tell(complaints.slice(0, 1));
   }
