@@ -1,6 +1,7 @@
 // From a view to numbers: slices of a sweep, the motion of a grid of parts, or one design.
 
 import { carryOut, put, slice } from "./service.js";
+import { surfaceStudy } from "./surface.js";
 import { givenNames, givenValues } from "./view.js";
 import { duration } from "./words.js";
 
@@ -10,7 +11,6 @@ import { duration } from "./words.js";
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
 const COARSE = 30; // of motion, while something is dragged and first of all
 const ROUGH = 10; // of methods that take long
-const BETWEEN = 3; // parts between neighbours, at which regimes are asked for along borders
 const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer values
 const CONSENT = 60; // s of computing that are not begun without being asked for
 const LINE = 201;
@@ -18,11 +18,13 @@ const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
 const DRAGGED = 101; // places of a slider
 const MAX_KEPT = 32; // slices, of 0.4 MB
 const MAX_SWEPT = 64; // outputs of one design
+// The outputs whose least and largest value over a range the service finds, wherever they lie.
+const RANGED = ["conveying_velocity", "feed_rate", "velocity_x", "velocity_y", "travel_speed", "velocity_towards"];
 // What is asked for of one design, where the scene has it.
 const AT_A_POINT = [
   "conveying_velocity", "drift_velocity", "throw_number", "hop_height", "flight_fraction", "platoons",
   "platoon_size_1", "platoon_velocity_1", "natural_frequency", "oriented_feed_rate_lower", "oriented_feed_rate_upper",
-  "line_feed_rate", "return_rate", "purity",
+  "line_feed_rate", "return_rate", "purity", "travel_direction",
 ];
 const SHARES = /_share_/;
 
@@ -48,11 +50,17 @@ export function studyWith(view, outputs, parameters) {
   };
 }
 
+// The components of the velocity over the places of a plate, which arrows are drawn of.
+const COMPONENTS = ["velocity_x", "velocity_y"];
+function fieldOf({ kind, x, y }) {
+  return kind === "simulate" && x.name === "position_x" && y?.name === "position_y" ? COMPONENTS : [];
+}
+
 function mapStudy(view, num = FINE[view.kind]) {
   const parameters = givenValues(view);
   parameters[view.x.name] = span(view.x, view.y ? num : LINE);
   if (view.y) parameters[view.y.name] = span(view.y, num);
-  return studyWith(view, [view.output], parameters);
+  return studyWith(view, [...new Set([view.output, ...fieldOf(view)])], parameters);
 }
 
 // The outputs of one design: that of the view, what its answer tells, and of a list all that can be computed.
@@ -72,7 +80,7 @@ function designStudy(view, scene, { isList = false, values = null, hasPath = fal
 // One design: {dataset, seconds}; with the path of its part where the system has one.
 /** @param {View} view @param {any} scene @param {How} how */
 export async function design(view, scene, { signal, tell } = {}, more = {}) {
-  const study = designStudy(view, scene, more);
+  const study = view.surface && !more.values ? surfaceStudy(view) : designStudy(view, scene, more);
   const { dataset, seconds } = await carryOut(study.kind, study, { signal, tell });
   return { dataset, seconds };
 }
@@ -98,15 +106,17 @@ export function flagOf(dataset, name = "regime") {
 /** @param {View} view @param {any} scene @param {How} how */
 export async function bandAt(view, scene, { signal } = {}) {
   const { name, share } = view.band;
-  const values = givenValues(view);
-  const list = BAND.map((step) => view.values[name] * (1 + step * share));
-  const study = studyWith(view, [view.output], { ...values, [name]: list });
-  const found = (await carryOut(view.kind, study, { signal })).dataset.variables[view.output];
-  const known = (found?.data ?? []).filter((one) => Number.isFinite(one));
-  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from: list[0], to: list.at(-1) } : null;
+  const list = BAND.map((step) => view.values[name] * (1 + step * share)).sort((a, b) => a - b);
+  const [from, to] = [list[0], list.at(-1)];
+  const isRanged = RANGED.includes(view.output) && (!view.choice || view.choice === scene.methods[0]);
+  const study = studyWith(view, [view.output], { ...givenValues(view), [name]: isRanged ? { low: from, high: to } : list });
+  const { dataset } = await carryOut(view.kind, study, { signal });
+  const found = isRanged ? ["least", "most"].map((end) => valueOf(dataset, `${view.output}_${end}`)) : (valueOf(dataset, view.output) ?? []);
+  const known = found.filter((one) => Number.isFinite(one));
+  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from, to, isUnsettled: flagOf(dataset, "sign_unsettled") === "unsettled" } : null;
 }
 
-// One output over its axes, however the service laid it out: {x, y, z, regime}.
+// One output over its axes, however the service laid it out: {x, y, z, regime, field}.
 function fromDataset(dataset, view) {
   const axis = (name) => {
     const { data, units } = dataset.coordinates[name];
@@ -119,7 +129,9 @@ function fromDataset(dataset, view) {
   };
   const variable = dataset.variables[view.output];
   const regime = dataset.variables[variable.ancillary_variables ?? "regime"];
+  const [vx, vy] = fieldOf(view).map((name) => reader(dataset.variables[name]));
   return {
+    field: vx && { x: vx, y: vy },
     x: axis(view.x.name),
     y: view.y ? axis(view.y.name) : null,
     z: { name: view.output, unit: variable.units, at: reader(variable), isJudged: "ancillary_variables" in variable },
@@ -224,24 +236,6 @@ export class Source {
     const one = { ...view, x: { name, from, to }, y: null };
     const study = mapStudy(one);
     return fromDataset((await carryOut(view.kind, study, { signal })).dataset, one);
-  }
-
-  // Regimes between the cells of a map of closed forms, along each axis: where borders lie. Null where there
-  // are none, and of motion: its cells may take so long that the service makes a job of them.
-  /** @param {View} view @param {any} found @param {How} how */
-  async between(view, found, { signal } = {}) {
-    if (view.kind !== "sweep" || !found.regime || !found.y) return null;
-    const counts = [found.x, found.y].map(({ values }) => values.length);
-    const axes = [view.x.name, view.y.name];
-    const asked = async (finer) => {
-      const study = mapStudy(view);
-      [view.x, view.y].forEach((axis, k) => {
-        study.parameters[axis.name] = span(axis, k === finer ? (counts[k] - 1) * BETWEEN + 1 : counts[k]);
-      });
-      const id = await this.posted(study, signal);
-      return fromSlice(await slice(id, view.output, axes, {}, signal), view).regime.at;
-    };
-    return { times: BETWEEN, across: await asked(0), up: await asked(1) };
   }
 
   // The same at both ends, and between, of what is not known exactly: least and largest of each.

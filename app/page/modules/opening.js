@@ -11,8 +11,10 @@ const FIRST_AXES = ["amplitude", "beta"];
 const told = (name) => words(name).slice(0, 60);
 
 // A view of a scene made whole, and {of, text, isForeign} about each part of it that made no sense.
+/** @param {any} wanted @param {any} scene @returns {{view: any, complaints: {of: string, text: string, isForeign?: boolean}[]}} */
 export function complete(wanted, scene) {
   const view = { ...wanted, values: { ...wanted.values } };
+  /** @type {{of: string, text: string, isForeign?: boolean}[]} */
   const complaints = [...chooseOutput(view, scene)];
   const given = { ...view.values };
   for (const axis of [view.x, view.y]) if (axis) given[axis.name] = axis.from;

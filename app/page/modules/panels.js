@@ -1,7 +1,7 @@
 // Curves of a motion over one cycle, coloured by what the part does. A line shows the moment: it is
 // dragged, or moved by the arrow keys.
 
-import { MODES, PARTS, cycleOf } from "./course.js";
+import { MODES, PARTS, cycleOf, stretches } from "./course.js";
 import { drawn, fill } from "./elements.js";
 import { capital, number, shown } from "./words.js";
 
@@ -103,18 +103,14 @@ export class Panels {
 
   // What the part does when, as a bar with words where they have room.
   phases({ times, modes }) {
-    const made = [];
-    let from = 0;
-    for (let i = 1; i <= modes.length; i++) {
-      if (i < modes.length && modes[i] === modes[from]) continue;
+    return stretches(modes).flatMap(([from, to]) => {
       const [look, text] = MODES[modes[from]] ?? MODES.unknown;
-      const [x, end] = [this.across(times[from]), this.across(times[Math.min(i, times.length - 1)])];
-      made.push(drawn("rect", { x, y: 0, width: Math.max(0, end - x), height: 20, class: `phase ${look}` }));
+      const [x, end] = [from, to].map((k) => this.across(times[k]));
       const said = text.replace("slides ", "");
-      if (end - x > 8 * said.length + 6) made.push(drawn("text", { x: (x + end) / 2, y: 14.5, "text-anchor": "middle", class: "on" }, said));
-      from = i;
-    }
-    return made;
+      const bar = drawn("rect", { x, y: 0, width: Math.max(0, end - x), height: 20, class: `phase ${look}` });
+      const isWide = end - x > 8 * said.length + 6;
+      return isWide ? [bar, drawn("text", { x: (x + end) / 2, y: 14.5, "text-anchor": "middle", class: "on" }, said)] : [bar];
+    });
   }
 
   panel({ name, unit, lines }, above) {
@@ -141,16 +137,9 @@ export class Panels {
   touching({ times, row }, above) {
     const bars = row.closed.flatMap((closed, i) => {
       const y = above + TITLE + BAR * (i + 0.5);
-      const made = [drawn("text", { x: LEFT - 6, y: y + 4, "text-anchor": "end" }, `${i + 1}, ${i + 2}`)];
-      let from = null;
-      closed.forEach((isClosed, k) => {
-        if (isClosed) from ??= k;
-        const isEnd = from !== null && (!isClosed || k === closed.length - 1);
-        if (!isEnd) return;
-        made.push(drawn("line", { x1: this.across(times[from]), x2: this.across(times[k]), y1: y, y2: y, class: "touching" }));
-        from = null;
-      });
-      return made;
+      const name = drawn("text", { x: LEFT - 6, y: y + 4, "text-anchor": "end" }, `${i + 1}, ${i + 2}`);
+      const touches = stretches(closed).filter(([from]) => closed[from]);
+      return [name, ...touches.map(([from, to]) => drawn("line", { x1: this.across(times[from]), x2: this.across(times[to]), y1: y, y2: y, class: "touching" }))];
     });
     return [drawn("text", { x: LEFT, y: above + TITLE - 6, class: "label" }, "Neighbours that touch"), ...bars];
   }
@@ -162,17 +151,11 @@ export class Panels {
       const points = values.map((_, k) => at(k)).join(" ");
       return [drawn("polyline", own ? { points, class: "course own", stroke: own } : { points, class: "track" })];
     }
-    const parts = [];
-    let from = 0;
-    for (let i = 1; i <= values.length; i++) {
-      if (i < values.length && modes[i] === modes[from]) continue;
-      const points = [];
-      for (let k = from; k <= Math.min(i, values.length - 1); k++) points.push(at(k));
+    return stretches(modes).map(([from, to]) => {
+      const points = Array.from({ length: to - from + 1 }, (_, k) => at(from + k)).join(" ");
       const [look] = MODES[modes[from]] ?? MODES.unknown;
-      parts.push(drawn("polyline", { points: points.join(" "), class: `course ${look}` }));
-      from = i;
-    }
-    return parts;
+      return drawn("polyline", { points, class: `course ${look}` });
+    });
   }
 
   // Show a moment of the cycle, from 0 on.

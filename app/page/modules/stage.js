@@ -1,7 +1,7 @@
 // The part on its track, to scale, its movement enlarged; the line of vibration and the slope of the track are
 // handles that are dragged, or moved by keys.
 
-import { MODES, PARTS as INKS, between, cycleOf, platoonsAt } from "./course.js";
+import { MODES, PARTS as INKS, between, cycleOf, platoonsAt, stretches } from "./course.js";
 import { drawn, fill } from "./elements.js";
 import { partDrawn, partOf } from "./parts.js";
 import { number, withUnit } from "./words.js";
@@ -197,16 +197,13 @@ export class Stage {
         drawn("text", { x: (from + to) / 2, y: top - 8, "text-anchor": "middle" }, `${withUnit(along.at(-1) - start, course.unit, 2)} a cycle${this.size.width < 430 ? "" : ` (${number(1000 * cycleOf(course), 3)} ms)`}`),
       );
     }
-    let from = 0;
     const [runs, halos] = [[], []];
-    for (let i = 1; i <= along.length; i++) {
-      if (i < along.length && modes[i] === modes[from]) continue;
+    for (const [from, to] of stretches(modes)) {
       const points = [];
-      for (let k = from; k <= Math.min(i, along.length - 1); k++) points.push(this.at(along[k] - start, height[k]).map((one) => one.toFixed(1)).join(","));
+      for (let k = from; k <= to; k++) points.push(this.at(along[k] - start, height[k]).map((one) => one.toFixed(1)).join(","));
       const [look] = MODES[modes[from]] ?? MODES.unknown;
       halos.push(drawn("polyline", { points: points.join(" "), class: "halo" }));
       runs.push(drawn("polyline", { points: points.join(" "), class: `run ${look}` }));
-      from = i;
     }
     made.push(...halos, ...runs);
     for (let k = 0; k <= DOTS; k++) {

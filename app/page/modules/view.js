@@ -35,6 +35,7 @@ const KINDS = ["simulate", "sweep"];
  * @property {number[][]} [runs] of [value across, measured speed]
  * @property {Record<string, number>[]} [pins] designs
  * @property {{name: string, drive: object}} [recording] of a drive, which is in no link
+ * @property {{name: string, place: number, part: object, wanted?: string}} [surface] of a part from a file, which is in no link
  * @property {string} [figure] of the thesis
  * @property {any} [best] as `criterion.js` has it
  */
@@ -54,7 +55,8 @@ export function pictureOf({ kind, scene, choice, set, recording, output, x, y, v
 }
 
 // What a design does, as text: two views with the same have the same answer.
-export function designOf({ kind, scene, choice, set, recording, output, values, band }) {
+export function designOf({ kind, scene, choice, set, recording, surface, output, values, band }) {
+  if (surface) return `file ${surface.place}`;
   return pictureOf({ kind, scene, choice, set, recording, output, x: { name: "" }, y: null, values, band, question: "uncertain" });
 }
 
