@@ -3,7 +3,7 @@
 import { drawn, element } from "./elements.js";
 import { capital, label, number, shown, words } from "./words.js";
 
-const { ticks } = /** @type {any} */ (window).d3;
+const { extent, ticks } = /** @type {any} */ (window).d3;
 const BAR = { width: 340, height: 15, left: 12, ticks: 4 };
 const SIGNED = new Set(["conveying_velocity", "drift_velocity"]);
 
@@ -39,23 +39,13 @@ export function scaleTold(range, { name, unit }, values) {
   const [factor] = shown(unit);
   const { low, high, step } = range;
   const svg = drawn("svg", { viewBox: "0 0 364 52", class: "scale-bar", "aria-hidden": "true" }, barDrawn(range, { name, unit }));
-  const [least, largest] = extremes(values);
+  const [least, largest] = extent(values, (value) => (Number.isFinite(value) ? value : NaN));
   const isCut = least < low - step || largest > high + step;
   const spoken = `${label(name, unit)} from ${number(low * factor)} to ${number(high * factor)}`;
   return [
     element("span", { role: "img", "aria-label": spoken }, svg),
     isCut ? element("small", {}, `beyond the ends: ${number(least * factor, 3)} to ${number(largest * factor, 3)}`) : null,
   ].filter(Boolean);
-}
-
-function extremes(values) {
-  let least = Infinity;
-  let largest = -Infinity;
-  for (const value of values) {
-    if (value < least && value > -Infinity) least = value;
-    if (value > largest && value < Infinity) largest = value;
-  }
-  return [least, largest];
 }
 
 // The regimes that occur in what is shown, the most frequent first: {value, name, share} and its look.

@@ -29,7 +29,7 @@ import { QUESTIONS, begun } from "./questions.js";
 import { isSet, takes, withSet } from "./sets.js";
 import { Refusal, get } from "./service.js";
 import { tellSheet } from "./sheet.js";
-import { endsOf, nameOf } from "./slider.js";
+import { nameOf } from "./slider.js";
 import { Stage } from "./stage.js";
 import { COARSE, Derived, Store, batch, effect, untracked } from "./store.js";
 import { STROKE, takesBoth } from "./stroke.js";
@@ -335,14 +335,8 @@ class Page {
       byId("detail").setAttribute("aria-busy", String(state.status === "computing"));
       for (const id of ["stage", "detail", "resonance"]) byId(id).classList.toggle("stale", state.isLate);
       const hop = valueOf(dataset, "hop_height");
-      const ends = Object.fromEntries(
-        ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "gamma", "amplitude_along_1", "amplitude_normal_1"]
-          .map((name) => scene.parameters.find((one) => one.name === name))
-          .filter((one) => one && one.name in view.values)
-          .map((one) => [one.name, endsOf(view, one)]),
-      );
       byId("stage").classList.toggle("row", Boolean(course?.row));
-      this.stage.show({ view, course, hop: hop > HOP ? hop : 0, ends });
+      this.stage.show({ view, course, hop: hop > HOP ? hop : 0, scene });
       byId("at-rest").textContent = course || !dataset ? "" : "This method gives means only: the part is drawn at rest.";
       this.player.show(course, state.isLate || (isHeld && !isOf));
       this.drawPanels();

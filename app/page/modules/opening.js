@@ -21,7 +21,6 @@ export function complete(wanted, scene) {
   const parameters = shownParameters(scene, view.output, given);
   // A link may name anything, also what every object of JavaScript has.
   const byName = Object.assign(Object.create(null), ...parameters.map((one) => ({ [one.name]: one })));
-  if (isSet(view.set)) chooseAxesOfSet(view, byName);
   complaints.push(...chooseAxes(view, byName));
   const foreign = Object.keys(view.values).filter((name) => !byName[name]);
   const leave = (of, text) => complaints.push({ of, text, isForeign: true });
@@ -71,20 +70,11 @@ export function pictured(scene) {
   return scene.outputs.filter(({ asks }) => asks.length);
 }
 
-// The axes that show most of a drive or a row.
-function chooseAxesOfSet(view, byName) {
-  for (const place of ["x", "y"]) {
-    const name = SETS[view.set][place];
-    if (view[place] !== undefined || !byName[name]) continue;
-    const [from, to] = usual(byName[name]);
-    view[place] = { name, from, to };
-  }
-}
-
 function chooseAxes(view, byName) {
   const complaints = [];
   if (Object.keys(byName).length === 1 && view.y) Object.assign(view, { x: view.y, y: null });
-  const names = [...FIRST_AXES, ...Object.keys(byName)].filter((name) => byName[name]);
+  const names = [...FIRST_AXES, ...Object.keys(byName)];
+  const ofSet = isSet(view.set) ? SETS[view.set] : {}; // those that show most of a drive or a row
   for (const place of ["x", "y"]) {
     const axis = view[place];
     if (axis && !byName[axis.name]) {
@@ -96,7 +86,7 @@ function chooseAxes(view, byName) {
     }
     if (view[place] === undefined || (place === "x" && !view.x)) {
       const other = place === "x" ? view.y?.name : view.x?.name;
-      const name = names.find((one) => one !== other);
+      const name = [ofSet[place], ...names].find((one) => byName[one] && one !== other);
       if (!name) {
         view[place] = null;
         continue;
