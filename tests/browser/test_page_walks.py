@@ -145,7 +145,7 @@ def test_a_job_is_a_design_that_is_shown_again(page: Page, address: str) -> None
     before = page.url
     taken_away(page, "NetCDF")
     # On a busy machine the picture of another value is a job, too.
-    named = page.locator("b[title*='friction coefficient 0.35']")
+    named = page.locator("b[title*='friction 0.35']")
     line = page.locator("#jobs li").filter(has=named).first
     expect(line).to_contain_text("Motion: conveying velocity over amplitude")
     expect(line).to_contain_text("The results are ready.")

@@ -41,7 +41,7 @@ function ends(low, high, unit, digits = 2) {
 
 // The sentence of a band: "42 to 57 mm/s for friction 0.2 to 0.4".
 function bandTold({ name, low, high, from, to }, unit, parameterUnit) {
-  return `${ends(low, high, unit)} for ${words(name).replace(" coefficient", "")} ${ends(from, to, parameterUnit)}`;
+  return `${ends(low, high, unit)} for ${words(name)} ${ends(from, to, parameterUnit)}`;
 }
 
 function hopTold({ dataset, scene }) {
@@ -54,7 +54,8 @@ function hopTold({ dataset, scene }) {
 function speed({ view, scene, dataset, band, sine, unitOf }) {
   const value = valueOf(dataset, view.output);
   const unit = unitOf(view.output);
-  const parts = [];
+  const axes = view.question === "drive" ? [view.x, view.y].filter(Boolean) : [];
+  const parts = axes.length ? [axes.map(({ name }) => `${words(name)} ${withUnit(view.values[name], unitOf(name), 3)}`).join(", ")] : [];
   if (band) parts.push(bandTold(band, unit, unitOf(band.name)));
   if (band?.isUnsettled) parts.push(`the direction depends on the ${words(band.name)}`);
   if (sine) parts.push(`${number(value / sine, 2)} times the speed with a sine of the same amplitudes`);
@@ -83,7 +84,7 @@ function uncertain(given) {
   const [factor, name] = shown(unit);
   const range = ends(band.low, band.high, unit).replace(name, "").trim();
   const most = matters?.[0];
-  const parts = [`for ${words(band.name).replace(" coefficient", "")} ${ends(band.from, band.to, unitOf(band.name))}`];
+  const parts = [`for ${words(band.name)} ${ends(band.from, band.to, unitOf(band.name))}`];
   if (most) parts.push(`the ${words(most.name)} matters most`);
   const value = valueOf(dataset, view.output);
   parts.push(`${number(value * factor, 3)} ${name} in the middle`);

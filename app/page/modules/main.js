@@ -29,7 +29,6 @@ import { QUESTIONS, begun } from "./questions.js";
 import { isSet, takes, withSet } from "./sets.js";
 import { Refusal, get } from "./service.js";
 import { tellSheet } from "./sheet.js";
-import { nameOf } from "./slider.js";
 import { Stage } from "./stage.js";
 import { COARSE, Derived, Store, batch, effect, untracked } from "./store.js";
 import { STROKE, takesBoth } from "./stroke.js";
@@ -261,7 +260,7 @@ class Page {
     for (const [name, value] of Object.entries(view.values)) {
       const parameter = scene.parameters.find((one) => one.name === name);
       const told = parameter && unusual(parameter, value, view.begun?.[name]);
-      if (told) return `${nameOf(name)}: ${told.slice(0, 1).toLowerCase()}${told.slice(1)}`;
+      if (told) return `${capital(words(name))}: ${told.slice(0, 1).toLowerCase()}${told.slice(1)}`;
     }
     return "";
   }
@@ -568,7 +567,7 @@ class Page {
     if (figures) tellFigures(byId("figures"), figures, view.figure, (one) => (one ? this.openFigure(one.name) : this.ask("all")));
     byId("stage").hidden = view.kind !== "simulate";
     byId("map-title").hidden = view.question === "drive";
-    byId("map-title").textContent = record.main.includes("picture") ? capital(words(view.output)) : view.question === "resting" ? "How would another size lie?" : "Where else could I be?";
+    byId("map-title").textContent = record.map ?? (record.main.includes("picture") ? capital(words(view.output)) : "Where else could I be?");
     tellMeaning(byId("meaning").lastElementChild, view, scene);
     document.querySelector("main").classList.remove("opening");
     batch(() => {

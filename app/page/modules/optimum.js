@@ -8,7 +8,6 @@ import { element, fill } from "./elements.js";
 import { button } from "./fields.js";
 import { Front } from "./front.js";
 import { marginsTold, ratesTold, statusTold } from "./margin.js";
-import { nameOf } from "./slider.js";
 import { Derived, effect, untracked } from "./store.js";
 import { givenValues } from "./view.js";
 import { Wishes } from "./wishes.js";
@@ -292,11 +291,11 @@ export class Optimum {
     const names = [...new Set([...Object.keys(best.at), ...["frequency"].filter((name) => name in view.values)])];
     const [outputs, values] = [TOLD.filter((name) => name in best.values || name === view.output), { ...view.values, ...best.at }];
     const rows = [
-      ...names.map((name) => [`${nameOf(name)}`, unitOf(name), before?.[name] ?? view.own?.[name], values[name]]),
+      ...names.map((name) => [capital(words(name)), unitOf(name), before?.[name] ?? view.own?.[name], values[name]]),
       ...outputs.map((name) => [capital(words(name)), unitOf(name), first.status === "ready" ? valueOf(first.value.dataset, name) : NaN, best.values[name]?.value]),
     ];
-    const held = [...best.ends.map(({ name }) => `${nameOf(name)} is at its bound of ${withUnit(best.at[name], unitOf(name), 3)}.`), ...marginsTold(best, scene)];
-    const [axis, other] = [view.x, view.y].map((one) => one && (ASIDE[unitOf(one.name)] ? `${ASIDE[unitOf(one.name)]}° of ${nameOf(one.name).toLowerCase()}` : `5 % less or more ${words(one.name)}`));
+    const held = [...best.ends.map(({ name }) => `${capital(words(name))} is at its bound of ${withUnit(best.at[name], unitOf(name), 3)}.`), ...marginsTold(best, scene)];
+    const [axis, other] = [view.x, view.y].map((one) => one && (ASIDE[unitOf(one.name)] ? `${ASIDE[unitOf(one.name)]}° of ${words(one.name)}` : `5 % less or more ${words(one.name)}`));
     if (around.status === "ready" && Number.isFinite(around.value)) held.push(`With ${axis}${other ? `, or ${other}` : ""}, at least ${withUnit(around.value, unitOf(view.output), 3)} remain.`);
     const angles = before && [view.x, view.y].filter(Boolean).map(({ name }) => withUnit(before[name], unitOf(name), 3)).join(", ");
     fill(

@@ -25,20 +25,22 @@ export function tellMoves(host, { values }, onmove) {
   fill(host, ...Object.entries(MOVES).map(([title, move]) => button(title, () => onmove(move), { class: "chip", "aria-pressed": String(isSet(move)) })));
 }
 
-// Some places of an axis, at equal distances from each other and from its ends.
-function placesOf({ values }) {
-  const count = Math.min(MOST, values.length);
-  return Array.from({ length: count }, (_, k) => Math.round(((k + 0.5) / count) * values.length - 0.5));
+// Some places on the screen along an axis, at equal distances, with the nearest of its values.
+function placesOf({ values }, { first, last, place }) {
+  return Array.from({ length: MOST }, (_, k) => {
+    const share = (k + 0.5) / MOST;
+    return { at: place(first + share * (last - first)), nearest: Math.round(share * (values.length - 1)) };
+  });
 }
 
 // Arrows of the velocity over a map of a plate.
 export function arrowsDrawn({ data: { x, y, field }, x: across, y: up }) {
   if (!field) return null;
-  const [columns, rows] = [placesOf(x), placesOf(y)];
-  const arrows = rows.flatMap((j) => columns.map((i) => ({ x: across.place(x.values[i]), y: up.place(y.values[j]), velocity: [field.x(i, j), field.y(i, j)] })));
+  const [columns, rows] = [placesOf(x, across), placesOf(y, up)];
+  const arrows = rows.flatMap((row) => columns.map((column) => ({ x: column.at, y: row.at, velocity: [field.x, field.y].map((read) => read(column.nearest, row.nearest)) })));
   const speeds = arrows.map(({ velocity }) => Math.hypot(...velocity));
   const largest = Math.max(...speeds.filter(Number.isFinite), 0);
-  const room = Math.abs(across.place(across.last) - across.place(across.first)) / columns.length;
+  const room = Math.abs(columns[1].at - columns[0].at);
   const path = arrows.map((arrow, k) => (speeds[k] > LEAST * largest ? arrowPath(arrow, (0.9 * room * speeds[k]) / largest) : "")).join("");
   return drawn("g", { class: "arrows" }, drawn("path", { d: path, class: "halo" }), drawn("path", { d: path, class: "arrow" }));
 }

@@ -13,6 +13,7 @@ const DRIVE = ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "frequ
  * @property {string[]} main sections under the answer
  * @property {string[]} side sections beside it
  * @property {string[]} sliders
+ * @property {string} [map] title of the map
  */
 
 /** @type {Record<string, any>} */
@@ -39,6 +40,7 @@ export const QUESTIONS = {
       y: { name: "height", from: 0.004, to: 0.03 },
       values: { length: 0.03, width: 0.02, height: 0.01 },
     },
+    map: "How would another size lie?",
     main: ["aspects"],
     side: ["surface", "picture", "onward"],
     sliders: ["length", "width", "height", "diameter", "small_diameter"],
@@ -117,6 +119,7 @@ export const QUESTIONS = {
   },
   plate: {
     begin: { kind: "simulate", scene: "part-on-plate", output: "travel_speed", set: "plate", ...KNOWN },
+    map: "The plate from above",
     main: ["moves", "picture"],
     side: ["stage", "detail"],
     sliders: ["frequency", "amplitude_along_1", "amplitude_across_1", "amplitude_normal_1", "phase_normal_1", "amplitude_tilt_x_1", "phase_tilt_x_1", "amplitude_tilt_y_1", "phase_tilt_y_1"],
