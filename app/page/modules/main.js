@@ -35,7 +35,7 @@ import { STROKE, takesBoth } from "./stroke.js";
 import { Surface, surfaceStudy } from "./surface.js";
 import { designOf, fromLink, frozen, pictureOf, toLink, unusual } from "./view.js";
 import { Waves } from "./waves.js";
-import { capital, duration, learn, valuesTold, words } from "./words.js";
+import { capital, duration, learn, number, valuesTold, words } from "./words.js";
 
 // What of a view asks for other fields, or another picture.
 const OPENED_ANEW = ["kind", "scene", "choice", "set", "recording", "output", "x", "y", "band"];
@@ -139,9 +139,9 @@ class Page {
       ondrag: (at, how) => move(point(at), how),
     });
     this.stage = new Stage(byId("stage-host"), move);
-    this.panels = new Panels((time) => this.player.choose(time));
-    byId("panels-host").append(this.panels.svg);
-    this.player = new Player(byId("player"), (time, turns) => this.moment(time, turns));
+    this.panels = new Panels();
+    byId("panels-host").prepend(this.panels.svg);
+    this.player = new Player((time, turns) => this.moment(time, turns));
     new ResizeObserver(() => requestAnimationFrame(() => this.drawPanels())).observe(byId("panels-host"));
     this.aspects = new Aspects(byId("aspects"), (name) => {
       const { surface } = this.view;
@@ -390,7 +390,7 @@ class Page {
     this.panels.at(time);
     const mode = course.row ? null : MODES[modeAt(course, time + course.times[0])] ?? MODES.unknown;
     const told = course.row ? platoonsTold(platoonsAt(course, time + course.times[0])) : `The part ${mode[1] === "in the air" ? "is in the air" : mode[1]}`;
-    if (!this.player.isRunning || this.spoken !== told) this.panels.tell(told);
+    if (!this.player.isRunning || this.spoken !== told) byId("now").setAttribute("aria-valuetext", `${number(1000 * time, 3)} ms, ${told.slice(0, 1).toLowerCase()}${told.slice(1)}`); // not each frame
     this.spoken = told;
     byId("moment").textContent = course.row ? `${told}.` : "";
   }
