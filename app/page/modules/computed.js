@@ -11,6 +11,7 @@ import { duration } from "./words.js";
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
 const COARSE = 30; // of motion, while something is dragged and first of all
 const ROUGH = 10; // of methods that take long
+const FIELD = 15; // of arrows over a plate, along which velocities change little by little
 const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer values
 const CONSENT = 60; // s of computing that are not begun without being asked for
 const LINE = 201;
@@ -102,18 +103,40 @@ export function flagOf(dataset, name = "regime") {
   return Object.keys(flags).find((one) => flags[one] === data) ?? "";
 }
 
+// What is not known exactly, as a study gives it: a range, of which the service finds the extremes of speeds, else some
+// values of it.
+/** @param {any} view @param {any} scene */
+function rangeOf({ band: { name, share }, values, output, choice }, scene) {
+  const list = BAND.map((step) => values[name] * (1 + step * share)).sort((a, b) => a - b);
+  const [low, high] = [list[0], list.at(-1)];
+  const isRange = RANGED.includes(output) && (!choice || choice === scene.methods[0]);
+  return { name, low, high, isRange, given: isRange ? { low, high } : list };
+}
+
 // The least and the largest value of the output of a design within its band, or null.
 /** @param {View} view @param {any} scene @param {How} how */
 export async function bandAt(view, scene, { signal } = {}) {
-  const { name, share } = view.band;
-  const list = BAND.map((step) => view.values[name] * (1 + step * share)).sort((a, b) => a - b);
-  const [from, to] = [list[0], list.at(-1)];
-  const isRanged = RANGED.includes(view.output) && (!view.choice || view.choice === scene.methods[0]);
-  const study = studyWith(view, [view.output], { ...givenValues(view), [name]: isRanged ? { low: from, high: to } : list });
-  const { dataset } = await carryOut(view.kind, study, { signal });
-  const found = isRanged ? ["least", "most"].map((end) => valueOf(dataset, `${view.output}_${end}`)) : (valueOf(dataset, view.output) ?? []);
+  const { name, low, high, isRange, given } = rangeOf(view, scene);
+  const { dataset } = await carryOut(view.kind, studyWith(view, [view.output], { ...givenValues(view), [name]: given }), { signal });
+  const found = isRange ? ["least", "most"].map((end) => valueOf(dataset, `${view.output}_${end}`)) : (valueOf(dataset, view.output) ?? []);
   const known = found.filter((one) => Number.isFinite(one));
-  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from, to, isUnsettled: flagOf(dataset, "sign_unsettled") === "unsettled" } : null;
+  const isUnsettled = flagOf(dataset, "sign_unsettled") === "unsettled";
+  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from: low, to: high, isUnsettled } : null;
+}
+
+// The same along a line: {low, high} of lists; null over the band's own parameter.
+/** @param {View} view @param {any} scene @param {How} how */
+export async function bandOver(view, scene, { signal } = {}) {
+  const { name, isRange, given } = rangeOf(view, scene);
+  if (view.x.name === name) return null;
+  const study = mapStudy(view);
+  study.parameters[name] = given;
+  const { dataset } = await carryOut(view.kind, study, { signal });
+  if (isRange) return { low: valueOf(dataset, `${view.output}_least`), high: valueOf(dataset, `${view.output}_most`) };
+  const { dims, data } = dataset.variables[view.output];
+  const lists = dims[0] === name ? data[0].map((_, i) => data.map((row) => row[i])) : data;
+  const known = lists.map((list) => list.filter(Number.isFinite));
+  return { low: known.map((list) => Math.min(...list)), high: known.map((list) => Math.max(...list)) };
 }
 
 // One output over its axes, however the service laid it out: {x, y, z, regime, field}.
@@ -189,7 +212,8 @@ export class Source {
     if (view.kind === "sweep") return this.sliced(view, held?.name ? held : null, signal);
     const isSlow = scene.methods.length > 1 && view.choice !== "" && view.choice !== scene.methods[0];
     if (isSlow) return this.slow(view, { signal, tell, show, isAgreed, isHeld: Boolean(held) });
-    if (held) return fromDataset(await this.motion(view, COARSE, { signal, tell }), view);
+    if (fieldOf(view).length) return this.moved(view, FIELD, { signal, tell });
+    if (held) return fromDataset((await carryOut("simulate", mapStudy(view, COARSE), { signal, tell })).dataset, view);
     if (!this.isWarm && view.y) {
       show?.(await this.moved(view, COARSE, { signal, tell }));
       this.isWarm = true;
@@ -199,10 +223,6 @@ export class Source {
       if (!view.y || this.next <= 1.5 * this.fineness) return found; // the first may have waited for code to load
       show?.(found);
     }
-  }
-
-  async motion(view, num, how) {
-    return (await carryOut("simulate", mapStudy(view, num), how)).dataset;
   }
 
   // A method that may take long: few values first, more when somebody says so.
@@ -236,23 +256,6 @@ export class Source {
     const one = { ...view, x: { name, from, to }, y: null };
     const study = mapStudy(one);
     return fromDataset((await carryOut(view.kind, study, { signal })).dataset, one);
-  }
-
-  // The same at both ends, and between, of what is not known exactly: least and largest of each.
-  /** @param {View} view @param {How} how */
-  async band(view, { signal } = {}) {
-    const { name, share } = view.band;
-    const found = [];
-    for (const step of BAND) {
-      const values = { ...view.values, [name]: view.values[name] * (1 + step * share) };
-      const one = { ...view, values };
-      found.push(view.kind === "sweep" ? await this.sliced(one, null, signal) : fromDataset(await this.motion(one, COARSE, { signal }), one));
-    }
-    const ends = (pick) => (i, j) => {
-      const values = found.map(({ z }) => z.at(i, j)).filter(Number.isFinite);
-      return values.length ? pick(...values) : NaN;
-    };
-    return { x: found[0].x, y: found[0].y, z: found[0].z, low: ends(Math.min), high: ends(Math.max) };
   }
 
   async sliced(view, held, signal) {

@@ -159,6 +159,10 @@ export class Controls {
     const chosen = view.choice || byDefault;
     const told = [scene.title.toLowerCase(), `${view.kind === "sweep" ? "variant" : "method"} ${words(chosen ?? "")}`];
     fill(byId("expert-told"), told.join(", "));
+    const { choice: name } = QUESTIONS[view.question];
+    const options = choices.map((one) => [one, capital(words(one))]);
+    const selected = choices.length > 1 && this.select(name ?? (view.kind === "sweep" ? "Variant" : "Method"), options, chosen, (one) => this.change({ choice: one }));
+    if (selected && name) byId("first").append(selected);
     refill(
       byId("expert-fields"),
       element(
@@ -168,9 +172,7 @@ export class Controls {
         system?.methods.length
           ? this.select("Model", [["simulate", "Motion in time: mean speed"], ["sweep", "Closed-form equations: one instant"]], view.kind, (kind) => this.change({ kind, choice: "", output: "" }))
           : null,
-        choices.length > 1
-          ? this.select(view.kind === "sweep" ? "Variant" : "Method", choices.map((name) => [name, capital(words(name))]), chosen, (name) => this.change({ choice: name }))
-          : null,
+        name || !selected ? null : selected,
         this.select("Output", grouped(pictured(scene), ({ name, unit }) => [name, label(name, unit)]), view.output, (name) => this.change({ output: name })),
         this.stroke(),
         this.axis("x", "Across"),

@@ -1,6 +1,6 @@
 // What lies over each other in a map: colours, contours, borders of regimes.
-// A `ground` is {data, flat, range, x, y, clipId}: what is drawn, its values row by row, the scale of their colours,
-// the axes on the screen, and the name of the area that the layers keep within.
+// A `ground` is {data, flat, range, x, y}: what is drawn, its values row by row, the scale of their colours, and the axes
+// on the screen.
 
 import { FRAME } from "./axes.js";
 import { drawn } from "./elements.js";
@@ -71,11 +71,11 @@ function placesAmong(count) {
   return Array.from({ length: few }, (_, k) => Math.round((k * (count - 1)) / Math.max(1, few - 1)));
 }
 
-export function clipDrawn(clipId, width, height) {
+export function clipDrawn(width, height) {
   const { left, right, top, bottom } = FRAME;
   return drawn(
     "clipPath",
-    { id: clipId },
+    { id: "inside" },
     drawn("rect", {
       x: left + 1,
       y: top + 1,
@@ -86,27 +86,26 @@ export function clipDrawn(clipId, width, height) {
 }
 
 // Lines over what does not describe a real part, so that its colours are not read as speeds.
-export function hatchDrawn({ data, x, y, clipId }, regimes) {
+export function hatchDrawn({ data, x, y }, regimes) {
   const invalid = new Set(regimes.filter(({ valid }) => !valid).map(({ value }) => value));
-  const group = drawn("g", { class: "hatch", "clip-path": `url(#${clipId})` });
+  const group = drawn("g", { class: "hatch", "clip-path": "url(#inside)" });
   if (!invalid.size || !data.z.isJudged) return group; // such as a throw number, which always holds
   const area = ringsAround(data, (value) => invalid.has(value));
-  const id = `${clipId}-hatch`;
   group.append(
     drawn(
       "pattern",
-      { id, width: 8, height: 8, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
+      { id: "hatched", width: 8, height: 8, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
       drawn("rect", { width: 8, height: 8, class: "haze" }),
       drawn("line", { x1: 0, y1: 0, x2: 0, y2: 8, class: "stripe" }),
     ),
-    drawn("path", { d: path(area, data, x, y), fill: `url(#${id})` }),
+    drawn("path", { d: path(area, data, x, y), fill: "url(#hatched)" }),
   );
   return group;
 }
 
 // Borders of the regimes of a list: of two neighbours one draws the line between them.
-export function bordersDrawn({ data, x, y, clipId }, regimes) {
-  const group = drawn("g", { class: "borders", "clip-path": `url(#${clipId})` });
+export function bordersDrawn({ data, x, y }, regimes) {
+  const group = drawn("g", { class: "borders", "clip-path": "url(#inside)" });
   for (const { value } of regimes.slice(1)) {
     const area = ringsAround(data, (one) => one === value);
     const d = path(area, data, x, y);

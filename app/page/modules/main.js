@@ -5,7 +5,7 @@ import { Aspects } from "./aspects.js";
 import { Away } from "./away.js";
 import { completeBest } from "./best.js";
 import { Catalogue } from "./catalogue.js";
-import { Source, bandAt, design, sineOf, valueOf } from "./computed.js";
+import { Source, bandAt, bandOver, design, sineOf, valueOf } from "./computed.js";
 import { Controls } from "./controls.js";
 import { courseOf, modeAt, MODES, platoonsAt } from "./course.js";
 import { Curves } from "./curves.js";
@@ -87,10 +87,7 @@ class Page {
     const isCoarse = (view) => store.held.value !== null && view.kind === "simulate";
     this.map = derived((view) => pictureOf({ ...view, band: null }) + (isCoarse(view) ? COARSE : ""), (view, scene, how) => source.map(view, scene, how));
     const isDrawn = (view) => this.map.state.value.status === "ready" && this.map.state.value.of === pictureOf({ ...view, band: null });
-    this.bandMap = derived(
-      (view) => (store.held.value === null && isBanded(view) && (view.question === "uncertain" || !view.y) && view.question !== "drive" && isDrawn(view) ? pictureOf({ ...view, question: "uncertain" }) : null),
-      (view, _, how) => source.band(view, how),
-    );
+    this.bandLine = derived((view) => (store.held.value === null && isBanded(view) && !view.y && isDrawn(view) ? pictureOf({ ...view, question: "uncertain" }) : null), bandOver);
     this.others = derived(
       (view) => (view.pins?.length && !view.y && isDrawn(view) ? pictureOf({ ...view, band: null }) + JSON.stringify(view.pins) : null),
       (view, scene, how) => Promise.all(view.pins.map(async (pin, i) => ({ text: `design ${LETTERS[i]}`, found: await source.map({ ...view, values: { ...view.values, ...pin } }, scene, { signal: how.signal }) }))),
@@ -268,7 +265,7 @@ class Page {
   renderMap(view) {
     const state = this.map.state.value;
     const waiting = this.notice.away.value;
-    const [band, others] = [this.bandMap, this.others].map((one) => one.state.value);
+    const [band, others] = [this.bandLine, this.others].map((one) => one.state.value);
     const answer = this.answer.state.value;
     untracked(() => {
       const isHeld = this.store.held.peek() !== null;
@@ -281,9 +278,8 @@ class Page {
       const isOf = state.status === "ready" && !isHeld;
       if (isOf && band.status === "ready" && this.extra !== band.value) {
         this.extra = band.value;
-        this.picture.showBand(state.value, band.value, view.band);
+        this.picture.showBand(state.value, band.value);
       }
-      if (band.status === "none") byId("beside").hidden = true;
       if (isOf && others.status === "ready" && this.extra !== others.value) {
         this.extra = others.value;
         this.picture.showOthers(state.value, others.value);
@@ -478,7 +474,7 @@ class Page {
       }
       const isBand = isSame || OPENED_ANEW.every((name) => name === "band" || JSON.stringify(view[name]) === JSON.stringify(before[name]));
       const best = view.best && !isBand && !("best" in patch) ? { ...view.best, isFound: view.question === "drive" } : view.best;
-      return this.open({ ...view, best }, { isSwitching: true, isStep: true });
+      return this.open({ ...view, best }, { isSwitching: true, isStep: true, named: new Set(Object.keys(patch)) });
     }
     if (patch.best) view.best = completeBest(view, this.store.scene.peek()).best;
     this.put(view, held);
@@ -495,9 +491,9 @@ class Page {
     this.controls.follow(this.view);
   }
 
-  // Open a view with a picture of its own; `isStep` where going back undoes it. What an `isSwitching` user leaves
-  // behind needs no word, nor what a link has not `named`: its question begins with it.
-  async open(wanted, { complaints = [], isSwitching = false, isStep = false, named = null } = {}) {
+  // Open a view with a picture of its own; `isStep` where going back undoes it. What makes no sense is told of what a
+  // link or a change has `named`: else the question begins with it, or a user leaves it behind.
+  async open(wanted, { complaints = [], isSwitching = false, isStep = false, named = new Set() } = {}) {
     const opening = {};
     this.opening = opening;
     byId("picture").setAttribute("aria-busy", "true");
@@ -528,8 +524,7 @@ class Page {
     scene = withSet(scene, wanted.set);
     learn(scene);
     const made = complete(wanted, scene);
-    const isTold = ({ of, isForeign = false }) => (named ? named.has(of) : !(isSwitching && isForeign));
-    complaints.push(...made.complaints.filter(isTold).map(({ text }) => text));
+    complaints.push(...made.complaints.filter(({ of }) => named.has(of)).map(({ text }) => text));
     const { view } = made;
     const figures = LISTED.has(view.question) ? await this.catalogue.figures() : null;
     if (isLeft()) return;
@@ -539,7 +534,7 @@ class Page {
       if (!isSwitching) complaints.push(...whole.complaints);
     }
     this.opening = null;
-    this.show(view, scene, { figures, isKept: Boolean(named?.has(view.x.name)), isSwitching });
+    this.show(view, scene, { figures, isKept: named.has(view.x.name), isSwitching });
     this.keep({ isStep });
     this.notice.tell(complaints.slice(0, 1));
   }

@@ -11,8 +11,6 @@ import { arrowsDrawn } from "./plate.js";
 import { Plot } from "./plot.js";
 import { withUnit, words } from "./words.js";
 
-let maps = 0;
-
 // Regimes that one word stands for are one area, by the value of its most frequent one.
 function areasOf(regimes) {
   const areas = new Map();
@@ -34,14 +32,13 @@ export class HeatMap extends Plot {
   /**
    * `ondrag(point, {isOver})` hears of the mark that is dragged.
    * @param {HTMLElement} host
-   * @param {{onpick?: Function, ondrag?: Function, title: string, isSmall?: boolean}} options
+   * @param {{onpick: Function, ondrag: Function, title: string}} options
    */
-  constructor(host, { onpick = () => {}, ondrag = () => {}, title, isSmall = false }) {
+  constructor(host, { onpick, ondrag, title }) {
     const scale = element("div", { class: "scale" });
-    super(host, { onpick, name: isSmall ? "map small" : "map", label: `${title}: arrow keys`, after: isSmall ? [] : [scale] });
+    super(host, { onpick, name: "map", label: `${title}: arrow keys`, after: [scale] });
     this.scale = scale;
     this.ondrag = ondrag;
-    this.clipId = `inside-${(maps += 1)}`;
     this.canvas = element("canvas", { "aria-hidden": "true" });
     this.box.prepend(this.canvas);
     this.box.addEventListener("pointerdown", (event) => {
@@ -59,8 +56,8 @@ export class HeatMap extends Plot {
 
   // data: {x, y: {name, unit, values}, z: {name, unit, at(i, j), isJudged}, regime: {at(i, j), names} or null, field,
   // look(name) of a regime}. While it `isMoving`, lines are drawn of fewer values: they take most of the time. Values
-  // that are `isRough` stay blocks. A `range` of colours is that of several maps.
-  show(data, { isMoving = false, isRough = false, range = null } = {}) {
+  // that are `isRough` stay blocks.
+  show(data, { isMoving, isRough }) {
     const [nx, ny] = [data.x.values.length, data.y.values.length];
     this.isRough = isRough;
     this.isMoving = isMoving;
@@ -68,7 +65,7 @@ export class HeatMap extends Plot {
     for (let j = 0; j < ny; j++) for (let i = 0; i < nx; i++) this.flat[j * nx + i] = data.z.at(i, j) ?? NaN;
     // While something moves, colours keep their meaning.
     const isHeld = isMoving && this.range && this.data?.z.name === data.z.name;
-    if (!isHeld) this.range = range ?? scaleOf(this.flat);
+    if (!isHeld) this.range = scaleOf(this.flat);
     this.regimes = occurring(data, data.look);
     this.areas = areasOf(this.regimes);
     this.data = data.regime ? { ...data, regime: joined(data.regime, this.areas) } : data;
@@ -95,7 +92,7 @@ export class HeatMap extends Plot {
     this.drawnMarks = drawn("g", { class: "marks" });
     fill(
       this.svg,
-      clipDrawn(this.clipId, width, height),
+      clipDrawn(width, height),
       hatchDrawn(ground, this.areas),
       bordersDrawn(ground, this.areas),
       this.names,

@@ -10,11 +10,10 @@ const FIRST_AXES = ["amplitude", "beta"];
 // A name that may be anybody's, as it is told.
 const told = (name) => words(name).slice(0, 60);
 
-// A view of a scene made whole, and {of, text, isForeign} about each part of it that made no sense.
-/** @param {any} wanted @param {any} scene @returns {{view: any, complaints: {of: string, text: string, isForeign?: boolean}[]}} */
+// A view of a scene made whole, and {of, text} about each part of it that made no sense.
+/** @param {any} wanted @param {any} scene @returns {{view: any, complaints: {of: string, text: string}[]}} */
 export function complete(wanted, scene) {
   const view = { ...wanted, values: { ...wanted.values } };
-  /** @type {{of: string, text: string, isForeign?: boolean}[]} */
   const complaints = [...chooseOutput(view, scene)];
   const given = { ...view.values };
   for (const axis of [view.x, view.y]) if (axis) given[axis.name] = axis.from;
@@ -23,7 +22,7 @@ export function complete(wanted, scene) {
   const byName = Object.assign(Object.create(null), ...parameters.map((one) => ({ [one.name]: one })));
   complaints.push(...chooseAxes(view, byName));
   const foreign = Object.keys(view.values).filter((name) => !byName[name]);
-  const leave = (of, text) => complaints.push({ of, text, isForeign: true });
+  const leave = (of, text) => complaints.push({ of, text });
   const notThere = (name) => `${capital(told(name))} is not a parameter of this system.`;
   for (const name of foreign) {
     delete view.values[name];

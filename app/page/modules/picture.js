@@ -1,7 +1,6 @@
 // The picture of a view: a map or lines over the parameters of its axes, with the design as its ring.
 
 import { Curves } from "./curves.js";
-import { scaleOf } from "./colours.js";
 import { byId, element, fill } from "./elements.js";
 import { legendOf, lookOf, occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
@@ -60,25 +59,9 @@ export class Picture {
     fill(byId("stale"), reason ? this.reason : null, reason ? button : null);
   }
 
-  // What is not known exactly: a band about each line, or maps of the least value and of the range, in the
-  // colours of the picture.
-  showBand(found, { x, y, z, low, high }, { name, share }) {
-    const told = `${words(name)} known within ${number(100 * share)} %`;
-    const host = byId("beside");
-    host.hidden = !found.y;
-    if (found.y) {
-      const spread = (i, j) => high(i, j) - low(i, j);
-      const values = [low, spread].flatMap((at) => Array.from(y.values, (_, j) => Array.from(x.values, (__, i) => at(i, j))).flat());
-      const range = scaleOf([...this.drawing.flat, ...values]);
-      const hosts = [element("div", {}), element("div", {})];
-      fill(host, element("h3", {}, `The least value, ${told}`), hosts[0], element("h3", {}, "From the least to the largest, in the same colours"), hosts[1]);
-      [low, spread].forEach((at, i) => {
-        new HeatMap(hosts[i], { title: i ? "Range" : "Least value", isSmall: true }).show({ x, y, z: { ...z, at }, regime: null, look: () => ({}) }, { range });
-      });
-      return;
-    }
-    const along = (at) => Array.from(found.x.values, (_, i) => at(i));
-    this.lines = [{ ...found.z, values: along(found.z.at), low: along(low), high: along(high) }];
+  // The band of a line, {low, high}, or null.
+  showBand(found, band) {
+    this.lines = [{ ...this.lines[0], ...band }];
     this.drawing.show({ x: found.x, lines: this.lines, regime: found.regime, look: this.look });
   }
 

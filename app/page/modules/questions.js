@@ -14,6 +14,7 @@ const DRIVE = ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "frequ
  * @property {string[]} side sections beside it
  * @property {string[]} sliders
  * @property {string} [map] title of the map
+ * @property {string} [choice] name of its variants, where they stand on the first screen
  */
 
 /** @type {Record<string, any>} */
@@ -44,6 +45,7 @@ export const QUESTIONS = {
     main: ["aspects"],
     side: ["surface", "picture", "onward"],
     sliders: ["length", "width", "height", "diameter", "small_diameter"],
+    choice: "Shape",
   },
   drive: {
     begin: { ...MOTION, ...KNOWN, best: { ...usualBest(), isFound: true } },
@@ -74,7 +76,7 @@ export const QUESTIONS = {
   uncertain: {
     begin: { ...MOTION, ...KNOWN },
     main: ["matters", "stage"],
-    side: ["picture", "beside"],
+    side: ["picture"],
     sliders: ["friction", "amplitude", "peak_to_peak", "beta"],
   },
   measured: {
@@ -116,6 +118,7 @@ export const QUESTIONS = {
     main: ["devices"],
     side: ["picture"],
     sliders: ["arrival_rate", "wiper_height_1", "height"],
+    choice: "Shape",
   },
   plate: {
     begin: { kind: "simulate", scene: "part-on-plate", output: "travel_speed", set: "plate", ...KNOWN },
