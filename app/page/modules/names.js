@@ -2,7 +2,7 @@
 
 import { drawn } from "./elements.js";
 
-const LETTER = { wide: 7, tall: 20 }; // px, of a name
+const LETTER = { wide: 9, tall: 20 }; // px, of a name
 const RING = 10; // px, around a marked point
 const LEAST = 0.02; // of the map
 
