@@ -11,7 +11,7 @@ from looking import SENTENCE, clicked, numbers, opened, posted
 
 PLATE = {
     "frequency": 50, "friction": 0.3, "phase_along_1": 90, "amplitude_along_1": 1e-4,
-    "amplitude_across_1": 1e-4, "position_x": 0.06, "position_y": 0.03,
+    "amplitude_across_1": 1e-4,
 }  # fmt: skip
 
 
@@ -41,4 +41,4 @@ def test_arrows_and_answer_of_a_plate_are_of_its_move(page: Page, address: str) 
     clicked(page, "Centre")
     expect(page.locator(SENTENCE)).to_contain_text("the plate gathers parts")
     tilts = {"amplitude_tilt_x_1": 0.02, "phase_tilt_x_1": 119, "amplitude_tilt_y_1": 0.02}
-    answer(page, address, **tilts, phase_tilt_y_1=29)
+    answer(page, address, **tilts, phase_tilt_y_1=29, position_x=0.06, position_y=0.03)

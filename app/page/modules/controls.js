@@ -82,7 +82,7 @@ export class Controls {
   share() {
     const { band } = this.view;
     const check = (value) => (value > 0 && value <= 90 ? "" : "The uncertainty has to be more than 0 % and at most 90 %");
-    const field = numberInput("Known within, in per cent", 100 * band.share, "%", (value) => this.change({ band: { ...this.view.band, share: value / 100 } }), { id: "band-share", check });
+    const field = numberInput("Known within, in per cent", Number((100 * band.share).toPrecision(3)), "%", (value) => this.change({ band: { ...this.view.band, share: value / 100 } }), { id: "band-share", check });
     return element("div", { class: "within" }, "known within ±", element("span", { class: "slot" }, field, element("span", { class: "unit" }, "%")));
   }
 

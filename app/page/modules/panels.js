@@ -13,6 +13,7 @@ const LEFT = 44; // px
 const PHASES = 30; // px, of what the part does, above the curves
 const RIGHT = 8; // px
 const LEAST = 280; // px
+const SMALL = 1e-5; // m: less is told in micrometres
 
 export class Panels {
   constructor() {
@@ -63,16 +64,17 @@ export class Panels {
 
   panel({ name, unit, lines }, above) {
     const top = above + 22;
-    const [factor, unitShown] = shown(unit);
     const all = lines.flatMap(({ values }) => values);
     const [low, high] = [Math.min(...all), Math.max(...all)];
-    const size = factor * Math.max(Math.abs(low), Math.abs(high));
+    const largest = Math.max(Math.abs(low), Math.abs(high));
+    const [factor, unitShown] = unit === "m" && largest < SMALL ? [1e6, "µm"] : shown(unit);
+    const size = factor * largest;
     const tall = this.tall * PANEL - (PANEL - CURVE);
     const up = (value) => top + tall - ((value - low) / (high - low || 1)) * tall;
     const end = (value) => drawn("text", { x: LEFT - 8, y: up(value) + 4, "text-anchor": "end" }, number(value * factor, 2, size));
     const zero = low < 0 && high > 0 ? [drawn("line", { x1: LEFT, x2: this.width - RIGHT, y1: up(0), y2: up(0), class: "level" })] : [];
     return [
-      drawn("text", { x: LEFT, y: top - 6, class: "pale" }, `${capital(name)}, ${unitShown}`),
+      drawn("text", { x: LEFT + 6, y: top - 6, class: "pale" }, `${capital(name)}, ${unitShown}`),
       ...zero,
       end(high),
       end(low),

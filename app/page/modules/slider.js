@@ -75,7 +75,7 @@ export function sliderField(view, parameter, { onmove, ontake, onremove = null }
     if (lift.hidden) return;
     const share = (at - range.from) / (range.to - range.from);
     lift.style.setProperty("--at", `${100 * share}%`);
-    lift.classList.toggle("ended", share > 0.6);
+    lift.style.setProperty("--shift", `${100 * Math.max(0, Math.min(1, 2 * share - 0.5))}%`); // away from the ends
     lift.textContent = `hops above ${number(at * factor, 2)}`;
   };
   const field = element(
