@@ -22,6 +22,7 @@ ANSWERS = {
     "rows": ("22.3", "3 platoons, the rear one of 1 part"),
     "resting": ("65 %", "65 to 86 % by two estimates."),
     "orienting": ("194", "194 to 258 a minute by two estimates"),
+    "plate": ("11.4", "11 to 12 mm/s for friction 0.2 to 0.4"),
     "thesis": ("55.75", "Acceleration along the track: the part has left the floor."),
     "all": ("46.37", "Acceleration along the track: the part has left the floor."),
 }
