@@ -565,6 +565,7 @@ class Page {
     byId("map-title").textContent = record.map ?? (record.main.includes("picture") ? capital(words(view.output)) : "Where else could I be?");
     tellMeaning(byId("meaning").lastElementChild, view, scene);
     document.querySelector("main").classList.remove("opening");
+    for (const id of ["keep", "take-away"]) byId(id).disabled = false;
     batch(() => {
       this.store.scene.value = scene;
       this.store.view.value = frozen(view);
