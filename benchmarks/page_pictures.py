@@ -61,7 +61,7 @@ class State:
 
 def _flies(page: Any) -> None:
     """Choose the moment in which the part is highest."""
-    page.locator(".panels").focus()
+    page.locator("#now").focus()
     for _ in range(40):
         page.keyboard.press("ArrowRight")
 

@@ -39,8 +39,8 @@ def columns_of(grid: Grid) -> dict[str, Array]:
     all combinations of its axes, with the fixed parameters repeated. Values are in the units of
     studies.
     """
-    positions = np.indices(tuple(grid.shape.values())).reshape(len(grid.axes), -1)
-    place = dict(zip(grid.axes, positions, strict=True))
+    places = np.unravel_index(np.arange(grid.cells), tuple(grid.shape.values()) or (1,))
+    place = dict(zip(grid.axes, places, strict=False))
     found = {name: grid.values_of(name).array()[place[axis]] for name, axis in grid.along.items()}
     return found | {name: np.full(grid.cells, value) for name, value in grid.fixed.items()}
 

@@ -32,6 +32,7 @@ from vibrafeed.core.calibrate.posterior import (
 )
 from vibrafeed.core.calibrate.prepare import UNITS, choose, prepare
 from vibrafeed.core.dataset.table import Table, TableVariable, quantity_attributes
+from vibrafeed.core.errors import StoppedError
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.differences import jacobian
@@ -168,15 +169,20 @@ def _misfit(
     others = replace(model, runs=model.runs.without(run))
     scatter = Scatter.of(others, wanted=prepared.study.discrepancy)
     likelihood = replace(likelihood, model=others, scatter=scatter)
-    posterior = posterior_of(
-        likelihood, explore(likelihood, max(prepared.study.points // FEWER, FEWEST_POINTS), watch)
-    )
+    points = max(prepared.study.points // FEWER, FEWEST_POINTS)
     columns = {name: column[[run]] for name, column in model.runs.columns.items()}
-    found = others.predict(posterior.ensemble(ENSEMBLE), watch, columns)
-    value, spread = np.nanmean(found.value), np.nanvar(found.value) + found.variance.mean()
+    try:
+        posterior = posterior_of(likelihood, explore(likelihood, points, watch))
+        found = others.predict(posterior.ensemble(ENSEMBLE), watch, columns)
+    except StoppedError:  # the estimates of all runs are there
+        return None
+    values = found.value[np.isfinite(found.value)]
+    if not values.size:
+        return None
     scatter = posterior.likelihood.scatter
-    spread += model.runs.error[run] ** 2 + posterior.sizes @ np.square(scatter.sizes)
-    away = float(np.abs(model.runs.value[run] - value) / np.sqrt(spread))
+    spread = values.var() + found.variance.mean() + model.runs.error[run] ** 2
+    spread += posterior.sizes @ np.square(scatter.sizes)
+    away = float(np.abs(model.runs.value[run] - values.mean()) / np.sqrt(spread))
     return (run + 1, away, posterior) if away > DISTANT else None
 
 

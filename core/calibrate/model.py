@@ -24,15 +24,13 @@ from vibrafeed.core.study.distributions import Normal
 from vibrafeed.core.watch import Watch
 
 CELLS_AT_A_TIME = 200_000  # motions that are predicted at a time: a bound on memory
-OUTPUTS = (
-    "conveying_velocity",
-    "conveying_velocity_spread",
-    "conveying_velocity_error",
-    "stick_fraction",
-    "flight_fraction",
-    "motion_status",
-)
-"""Outputs of a motion that a calibration reads."""
+SEEN = ("stick_fraction", "flight_fraction", "motion_status")
+"""Outputs of a motion that say what a part is seen to do."""
+SPEEDS = {
+    "conveying_velocity": ("conveying_velocity_spread", "conveying_velocity_error"),
+    "velocity_towards": ("velocity_error",),
+}
+"""The speed of a motion that is measured, along a track or on a plate, and its own errors."""
 AMPLITUDE = "track_amplitude"
 """The output of a drive unit that a calibration reads."""
 
@@ -132,7 +130,8 @@ class Runs:
     columns : mapping of str to ndarray, shape (runs,)
         The parameters in which runs differ, in the units of studies.
     output : str
-        The measured output: conveying_velocity, feed_rate, or track_amplitude of a drive unit.
+        The measured output: conveying_velocity, feed_rate, velocity_towards, or track_amplitude of
+        a drive unit.
     value : ndarray, shape (runs,)
         Measured values, in the output's unit; NaN for a run without one.
     error : ndarray, shape (runs,)
@@ -146,6 +145,11 @@ class Runs:
     value: Array
     error: Array
     seen: tuple[str, ...]
+
+    @property
+    def speed(self) -> str:
+        """The speed from which the measured output follows."""
+        return self.output if self.output in SPEEDS else "conveying_velocity"
 
     def __len__(self) -> int:
         """Return the number of runs."""
@@ -270,8 +274,9 @@ class Model:
             if self.runs.output == AMPLITUDE:  # closed forms of the unit, without any part
                 value, never = np.broadcast_to(known[AMPLITUDE], shape), np.zeros(shape, np.bool_)
                 return Predicted(value, np.zeros(shape), never, never)
-            velocity, spread, error = (known[name] for name in OUTPUTS[:3])
-            variance = np.square(spread) + np.square(error)
+            speed = self.runs.speed
+            velocity = known[speed]
+            variance = sum(np.square(known[name]) for name in SPEEDS[speed])
             scale: Array | float = 1.0
             if self.runs.output == "feed_rate":
                 scale = feed_rate(

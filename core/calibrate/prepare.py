@@ -7,8 +7,8 @@ import numpy as np
 
 from vibrafeed.core.calibrate.boxes import Likelihood, Scatter
 from vibrafeed.core.calibrate.calibration import ENSEMBLE, MAX_CANDIDATES, Calibration
-from vibrafeed.core.calibrate.model import AMPLITUDE, OUTPUTS, Model, Runs, Unknown
-from vibrafeed.core.errors import Problem, StudyError, raise_any
+from vibrafeed.core.calibrate.model import AMPLITUDE, SEEN, SPEEDS, Model, Runs, Unknown
+from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.drive_units import unit_of
 from vibrafeed.core.motion.plate import PLATE
@@ -23,7 +23,6 @@ from vibrafeed.core.scenes.scene import STATIC_ABOVE_KINETIC
 from vibrafeed.core.study.calibrate_study import (
     STEMS,
     CalibrateStudy,
-    Run,
     parameters_of,
     read_error,
 )
@@ -43,7 +42,7 @@ def prepare(study: CalibrateStudy) -> Calibration:
     """
     problems = [*_misused(study), *_problems_of_unknowns(study)]
     columns = _columns(study, problems)
-    output, more = _observed(study.observations)
+    output, more = _observed(study)
     error, wrong = _errors(study, output)
     problems += [*more, *wrong]
     values = {name: v for name, v in study.values().items() if isinstance(v, Fixed)}
@@ -58,10 +57,14 @@ def prepare(study: CalibrateStudy) -> Calibration:
     try:
         scene, method, found = choose(study.scene, study.method, named)
         problems += [*found, *_of_scene(study, scene, method, output)]
-        outputs = [*OUTPUTS, *(["feed_rate"] if output == "feed_rate" else [])]
+        speed = output if output in SPEEDS else "conveying_velocity"
+        wanted = [*dict.fromkeys((output, speed)), *SPEEDS[speed], *SEEN]
         if output == AMPLITUDE or scene.name in UNITS:
-            outputs = [AMPLITUDE]
-        plan = plan_scene(scene, method, outputs, tuple(named), {*shared, *columns})
+            wanted = [AMPLITUDE]
+        elif scene.name in CONTACTS and speed not in scene.outputs(method):
+            fix = "Measure velocity_towards on a plate, conveying_velocity or feed_rate on a track"
+            raise refused("observations", f"{scene.name} has no {output}", fix)
+        plan = plan_scene(scene, method, wanted, tuple(named), {*shared, *columns})
     except StudyError as error_:
         raise StudyError(
             [*problems, *(locate_problem(one, study) for one in error_.problems)]
@@ -197,8 +200,8 @@ def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]
     return columns
 
 
-def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
-    problems = []
+def _observed(study: CalibrateStudy) -> tuple[str, list[Problem]]:
+    problems, rows = [], study.observations
     for k, row in enumerate(rows, 1):
         outputs = [name for name in OBSERVED if getattr(row, name) is not None]
         if len(outputs) > 1:
@@ -214,8 +217,7 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
                 Problem(
                     f"observations row {k}",
                     f"the run in row {k} of the observations has no measured value",
-                    "Give conveying_velocity with its unit, feed_rate, or regime; of a drive unit "
-                    "track_amplitude",
+                    f"Give {', '.join(OBSERVED)} or regime",
                 )
             )
     used = [name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)]
@@ -227,7 +229,8 @@ def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
                 "Give the same one in all runs of observations",
             )
         )
-    return (used or list(OBSERVED))[0], problems
+    any_speed = "velocity_towards" if study.scene == PLATE else "conveying_velocity"
+    return (*used, any_speed)[0], problems
 
 
 def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
@@ -339,7 +342,6 @@ def _problems_of_candidates(
 
 
 def _of_scene(study: CalibrateStudy, scene: Scene, method: str, output: str) -> Iterable[Problem]:
-    conveying = [name for name in CONTACTS if name != PLATE]
     if scene.name in UNITS:
         for row, run in enumerate(study.observations, 1):
             if run.regime is not None:
@@ -348,11 +350,11 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str, output: str) -> 
         if output != AMPLITUDE:
             message = f"a drive unit has no {output}"
             yield Problem("observations", message, "Give track_amplitude, zero to peak")
-    elif scene.name not in conveying:
+    elif scene.name not in CONTACTS:
         yield Problem(
             "scene",
             f"the scene {scene.name} gives no conveying velocity to calibrate",
-            f"Choose among {', '.join(conveying)}",
+            f"Choose among {', '.join(CONTACTS)}",
         )
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():

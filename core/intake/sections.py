@@ -106,11 +106,21 @@ def _is_of_remarks(name: str, column: Column) -> bool:
     return not (any(is_value(str(cell)) for cell in some) or nearest(name, _COLUMNS))
 
 
-def _columns_of_parameters(rows: Any, _: Collection[str]) -> Iterable[str]:
+def _all_columns(rows: Any) -> Iterable[str]:
     runs = (
         [row for row in rows if isinstance(row, Mapping)] if isinstance(rows, list | tuple) else []
     )
-    return (name for row in runs for name in row if name not in OWN)
+    return (name for row in runs for name in row)
+
+
+def _columns_of_parameters(rows: Any, _: Collection[str]) -> Iterable[str]:
+    return (name for name in _all_columns(rows) if name not in OWN)
+
+
+def _measured(rows: Any) -> Iterable[str]:
+    columns = {*_all_columns(rows)}
+    # What all motions have, where only regimes were seen.
+    return [name for name in OBSERVED if name in columns] or ["flight_fraction"]
 
 
 def _problem_path(path: Sequence[Any]) -> str:
@@ -296,7 +306,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
     "candidates": Section(unknown=no_parameter, by_parameter=True),
     "observations": Section(
         names=_columns_of_parameters,
-        outputs=lambda _: OBSERVED[:1],
+        outputs=_measured,
         place=_problem_path,
         unknown=_unknown_column,
         beside=lambda rows, folder: str(folder / rows) if isinstance(rows, str) else rows,

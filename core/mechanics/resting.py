@@ -52,11 +52,12 @@ def weighted_box_shares(
 
     Flat with the centre at the height z, on their side, on their end, and inverted with it at h -
     z. The faces are seen from the centre as those of the lower half of a box of the height 2 z and
-    of the upper half of one of 2 (h - z).
+    of the upper half of one of 2 (h - z). NaN with the centre outside of the box.
     """
+    rest = height - centre_of_mass
     below, above = (
-        box_shares(length=length, width=width, height=2 * apart)
-        for apart in (centre_of_mass, height - centre_of_mass)
+        box_shares(length=length, width=width, height=np.where(rest > 0, 2 * apart, np.nan))
+        for apart in (centre_of_mass, rest)
     )
     sides, ends = (below[k] / 2 + above[k] / 2 for k in (1, 2))
     return below[0] / 2, sides, ends, above[0] / 2

@@ -19,6 +19,7 @@ from vibrafeed.core.study.shown import Shown
 COLUMNS = 3
 PIECES = 4_000  # triangles that a drawing has at most, after they are halved to be sorted by depth
 SHARP = np.cos(np.radians(25))  # of the angle between triangles from which on their edge is drawn
+LIFT = 0.015  # of the depth: edges are drawn so much nearer, or triangles beside them cover them
 FROM_LEFT, FROM_ABOVE = np.radians(35), np.radians(25)  # the view, off the side of the lane
 
 
@@ -46,7 +47,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     for panel in panels:
         panel.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
         panel.axis("off")
-    finish(figure, panels[0], style, name=options.title or f"How {part['name']} comes to rest")
+    name = "the part" if part["name"] == "data" else part["name"]
+    finish(figure, panels[0], style, name=options.title or f"How {name} comes to rest")
     note = "Shares of parts that are let down, and thrown; the true share is between them"
     figure.supxlabel(note, fontsize=style.text(8.5), color=style.quiet, x=0.02, ha="left")
     return figure
@@ -102,7 +104,8 @@ def _draw_aspect(
         *flat,
         *(flat[k][[side, (side + 1) % 3]] for k, side in zip(owners, sides, strict=True)),
     ]
-    order = np.argsort(np.concatenate([depths.mean(1), depths[owners].max(1)]), kind="stable")
+    nearer = depths[owners].max(1) + LIFT * np.ptp(depths)
+    order = np.argsort(np.concatenate([depths.mean(1), nearer]), kind="stable")
     colours = [
         mix(style.ground, style.curve, 0.65 - 0.45 * float(one)) for one in np.clip(light, 0, 1)
     ]

@@ -294,7 +294,7 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "drive_voltage": _input(
         "V", "U", "Voltage of the drive",
         "Voltage of the controller; the force follows from the amplitude measured at another one.",
-        "180 V", strict=False,
+        "180 V", strict=True,
     ),
     "measured_voltage": _input(
         "V", "U_m", "Measured voltage", "Voltage at which measured_amplitude was measured.",

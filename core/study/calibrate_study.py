@@ -123,6 +123,7 @@ if TYPE_CHECKING:
         conveying_velocity: float | None = None
         feed_rate: float | None = None
         track_amplitude: float | None = None
+        velocity_towards: float | None = None
         error: float | None = None
         regime: str | None = None
 

@@ -230,7 +230,7 @@ CRITERIA: Final = ("weighted", "limit", "pareto", "maximise", "minimise", "reach
 DRIVE_ANGLES: Final = ("alpha", "beta")
 """The variables of an optimisation that names none."""
 
-OBSERVED: Final = ("conveying_velocity", "feed_rate", "track_amplitude")
+OBSERVED: Final = ("conveying_velocity", "feed_rate", "track_amplitude", "velocity_towards")
 """Outputs that may have been measured."""
 
 MAX_RUNS: Final = 1_000

@@ -78,7 +78,7 @@ def test_what_cannot_be_computed_says_so_and_one_click_helps(page: Page, address
         page,
         {
             NUMBER: "\u2013",
-            SENTENCE: "Friction coefficient is -1",
+            SENTENCE: "Friction is -1",
             "#wrong-friction": "at least 0",
             "#stale": "Not drawn.",
         },
@@ -88,7 +88,7 @@ def test_what_cannot_be_computed_says_so_and_one_click_helps(page: Page, address
     assert number(page) == 49.9
     expect(page.locator("#wrong-friction")).to_be_empty()
     typed(page, "#value-beta", "200")  # an axis of the map, which stands
-    shows(page, {SENTENCE: "Drive elevation is 200°"})
+    shows(page, {SENTENCE: "Angle of vibration is 200°"})
     expect(page.locator("#detail")).to_be_hidden()
     expect(page.locator("#stale")).to_be_empty()
     typed(page, "#value-beta", "20")

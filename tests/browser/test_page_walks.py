@@ -52,7 +52,7 @@ def test_map_cursor_motion_and_table_are_those_of_the_service(page: Page, addres
     wait_for(lambda: now.get_attribute("x1") != moment)  # it plays
     page.get_by_role("button", name="Pause").click()
     before = now.get_attribute("x1")
-    page.locator(".panels").press("ArrowRight")
+    page.locator("#now").press("ArrowRight")
     assert now.get_attribute("x1") != before
     rows = csv.DictReader(taken_away(page, "Table (CSV)").decode().splitlines())
 
@@ -98,10 +98,10 @@ def test_a_row_moves_in_its_lane_and_tells_which_parts_touch(page: Page, address
     opened(page, f"{address}/#question=rows")
     expect(page.locator("#moment")).to_have_text("Parts 1 to 4 touch.")
     assert page.locator("#detail .touching").count() > 3  # they meet again
-    panels = page.locator("#detail .panels")
-    panels.press("End")
+    now = page.locator("#now")
+    now.press("End")
     expect(page.locator("#moment")).not_to_contain_text("1 to 4")
-    expect(panels).to_have_attribute("aria-valuetext", re.compile("ms, (no )?parts .*touch$"))
+    expect(now).to_have_attribute("aria-valuetext", re.compile("ms, (no )?parts .*touch$"))
 
 
 def test_measured_runs_are_pasted_and_what_explains_them_is_taken(page: Page, address: str) -> None:
@@ -145,7 +145,7 @@ def test_a_job_is_a_design_that_is_shown_again(page: Page, address: str) -> None
     before = page.url
     taken_away(page, "NetCDF")
     # On a busy machine the picture of another value is a job, too.
-    named = page.locator("b[title*='friction coefficient 0.35']")
+    named = page.locator("b[title*='friction 0.35']")
     line = page.locator("#jobs li").filter(has=named).first
     expect(line).to_contain_text("Motion: conveying velocity over amplitude")
     expect(line).to_contain_text("The results are ready.")

@@ -16,7 +16,8 @@ from vibrafeed.core.quantities import MOTION_STATUSES
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "drives.md").read_text(encoding="utf-8")
 PROSE = " ".join(TEXT.split())
-BLOCKS = [tomllib.loads(block) for block in re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)]
+FOUND = [tomllib.loads(block) for block in re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)]
+BLOCKS = [block for block in FOUND if "drive" not in block]
 HEAD = {name: value for name, value in BLOCKS[0].items() if name != "parameters"}
 ELLIPSE, TWO, THREE, STEPPED, PRESSED = (block["parameters"] for block in BLOCKS)
 FRICTION = {"frequency": 50, "friction": 0.3}
@@ -49,6 +50,14 @@ def test_every_study_of_the_page_moves_a_part(given: dict[str, Any]) -> None:
 )
 def test_speeds_are_those_that_the_page_tells(given, changes, says) -> None:
     assert says.format(1e3 * float(run(given, **changes)[SPEED])) in PROSE
+
+
+def test_the_recording_of_the_page_is_followed_once() -> None:
+    (block,) = (one for one in FOUND if "drive" in one)
+    drive = {name: value for name, value in block["drive"].items() if name != "file"}
+    data = "time [s],ax [m/s^2],az [m/s^2]\n0,0,9.8\n0.01,9,9.8\n0.02,-9,9.8\n0.03,0,9.8"
+    prepared = prepare_content({**block, "drive": {**drive, "data": data}})
+    assert np.isfinite(run_study(prepared.study).burst_displacement).all()
 
 
 def test_what_the_page_says_of_the_ellipse() -> None:

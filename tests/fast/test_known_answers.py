@@ -1,7 +1,5 @@
 """Every known answer is found, and a wrong one would be noticed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

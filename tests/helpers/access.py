@@ -1,7 +1,5 @@
 """A key of a service for tests: its text is known before it stands in the ledger."""
 
-from __future__ import annotations
-
 import http.client
 import time
 import urllib.request

@@ -1,7 +1,5 @@
 """What axe-core finds wrong with a page that lets no text become a script."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

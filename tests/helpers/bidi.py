@@ -1,7 +1,5 @@
 """Firefox by WebDriver BiDi, which it speaks by itself: Playwright wants a newer one."""
 
-from __future__ import annotations
-
 import asyncio
 import itertools
 import re

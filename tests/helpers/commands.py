@@ -1,7 +1,5 @@
 """The command line, in this process: a line of words in, an exit code and texts out."""
 
-from __future__ import annotations
-
 import json
 import shlex
 from pathlib import Path

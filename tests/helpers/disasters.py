@@ -1,7 +1,5 @@
 """Work that takes a while, and disks that are full, read-only or gone."""
 
-from __future__ import annotations
-
 import contextlib
 import shutil
 import subprocess

@@ -4,8 +4,6 @@
 They share nothing with the code under test.
 """
 
-from __future__ import annotations
-
 import math
 
 from many_digits import mp, mpf, root_between

@@ -1,7 +1,5 @@
 """A plan computed both ways: by compiled loops and by numpy."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

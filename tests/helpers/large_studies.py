@@ -1,7 +1,5 @@
 """Studies whose cells are computed one by one, of any size."""
 
-from __future__ import annotations
-
 from typing import Any
 
 TRACK: dict[str, Any] = {

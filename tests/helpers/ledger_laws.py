@@ -4,8 +4,6 @@ Tests of `fast` hold them for SQLite, tests of `service` for PostgreSQL: each gi
 servers' views of one ledger.
 """
 
-from __future__ import annotations
-
 import sqlite3
 import threading
 import time

@@ -1,7 +1,5 @@
 """Random links of the page: such as it makes, such as an older one made, and such as mean harm."""
 
-from __future__ import annotations
-
 import random
 import string
 import urllib.parse

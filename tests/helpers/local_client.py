@@ -1,7 +1,5 @@
 """A client of the service in this process, which calls it by a name of this machine."""
 
-from __future__ import annotations
-
 import asyncio
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path

@@ -3,8 +3,6 @@
 Unlike mpmath's, they have no complex values (a root of -1 is nan), and 1/0 is infinite.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Worked mean velocities of known answers, as tests of kernels take them."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 

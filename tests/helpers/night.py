@@ -1,7 +1,5 @@
 """How far a test searches: a little by day, far by night, in `make night`."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable
 from typing import TypeVar

@@ -3,8 +3,6 @@
 Values are in SI units and radians.
 """
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Derivatives at one point, and in words why there is none."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 from typing import NamedTuple, TypeAlias

@@ -7,8 +7,6 @@ Not imitated: drive letters, code pages of files, text mode (an `os.open` withou
 log), ways to start processes.
 """
 
-from __future__ import annotations
-
 import ast
 import contextlib
 import errno

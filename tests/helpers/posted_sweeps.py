@@ -1,7 +1,5 @@
 """A sweep posted to the service, and the problem documents it answers with."""
 
-from __future__ import annotations
-
 STUDY = {
     "kind": "sweep",
     "scene": "rectangle-on-track",

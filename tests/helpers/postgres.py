@@ -1,7 +1,5 @@
 """Debian's PostgreSQL, started on loopback in a folder of its own."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Studies of every kind at random: those of `configs`, with other values, axes and outputs."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Recordings of drives that are known: accelerations after the definition, and their CSV."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

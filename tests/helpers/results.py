@@ -1,7 +1,5 @@
 """One result, in every format, and its numbers as rows."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The best spring of a drive unit whose units differ, and what many such units say of it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import vibrafeed

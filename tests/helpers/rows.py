@@ -1,7 +1,5 @@
 """Rows of parts as their kernels take them, in the units g/w, and what comes out by name."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from vibrafeed.core.motion.kernels.rows import (

@@ -1,7 +1,5 @@
 """A service of one's own, run as users run it."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

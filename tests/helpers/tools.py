@@ -3,8 +3,6 @@
 `VIBRAFEED_REQUIRE_TOOLS=1` turns each such skip into a failure, as CI wants it.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Small studies of every kind that verify some of their cells."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -1,7 +1,5 @@
 """Waiting for a state, with one patience for all: a busy machine is slow, and not wrong."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """How much Python does: calls, which are the same on every machine, however busy."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from types import FrameType

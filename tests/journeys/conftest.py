@@ -1,7 +1,5 @@
 """What a user has: the command in an empty folder, and one service for all journeys."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

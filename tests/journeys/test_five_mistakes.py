@@ -1,7 +1,5 @@
 """A study with five mistakes: all five at once, each with its place, and nothing is written."""
 
-from __future__ import annotations
-
 STUDY = """
 kind = "simulate"
 scene = "rectangle-on-plane"

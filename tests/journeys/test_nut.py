@@ -1,7 +1,5 @@
 """The nut of the README: which way does it travel, and the picture that says so."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The thesis's best angles of excitation, against their closed form."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray

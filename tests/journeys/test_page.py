@@ -1,7 +1,5 @@
 """The page opens in a browser, a slider moves, and the number follows."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.browsing import browsed

@@ -5,8 +5,6 @@ program that follows a part in 30 digits of mpmath and shares no code with the p
 (tests/data/README.md).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

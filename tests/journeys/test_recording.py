@@ -1,7 +1,5 @@
 """From the recording of an accelerometer to the speed of a part."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray
 

@@ -1,7 +1,5 @@
 """Serve, post, poll, download: a design tool asks a service by REST, and a job survives a kill."""
 
-from __future__ import annotations
-
 import json
 import urllib.request
 

@@ -1,7 +1,5 @@
 """A sweep to NetCDF and back: by the command line, through two other formats."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np

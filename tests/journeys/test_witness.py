@@ -1,7 +1,5 @@
 """Twenty motions of parts by the events and by the witness, which shares no solver with them."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray
 

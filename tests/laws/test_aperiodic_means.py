@@ -3,8 +3,6 @@
 `python -m benchmarks.aperiodic_means` prints what that saves.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

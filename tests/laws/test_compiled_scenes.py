@@ -1,7 +1,5 @@
 """The compiled way of a scene against numpy's: the same bits of all outputs that loops can give."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks.evaluate import grid_of, plan_of, traceable

@@ -4,8 +4,6 @@ Each derivation starts from balances of forces and moments, not from the code, a
 with the code at random points. Numbers in brackets are equations of the source.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -3,8 +3,6 @@
 Rectangle and cylinder differ in their inertia only. Numbers in brackets are the source's equations.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy as sp

@@ -4,13 +4,11 @@ A corner of body 1 stands on the long face of body 2, both anywhere. Numbers in 
 source's equations.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy as sp
 
-from plans import make_plan
+from plans import quantities_at
 
 RANDOM = np.random.default_rng(6)
 POINTS = 200
@@ -19,16 +17,6 @@ NAMES = {
     "length": (0.02, 0.05), "width": (0.005, 0.015), "mass": (0.002, 0.02),
     "velocity_x": (-1, 1), "velocity_y": (-1, 1), "spin": (-20, 20),
 }  # fmt: skip
-
-
-def evaluate(
-    scene: str, outputs: list[str], points: dict[str, np.ndarray]
-) -> dict[str, np.ndarray]:
-    plan = make_plan(scene, "frictionless", outputs, list(points))
-    known = {**{n: np.asarray(v) for n, v in plan.defaults.items()}, **points}
-    for equation in plan.equations:
-        known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
-    return known
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +73,9 @@ def test_the_rates_of_the_contact_point_3_20_3_21(points):
     p = symbols_of(points)
     corner, r2, normal = placed(p, moving=True)
     gap = normal.dot(corner - r2) - p["width_2"] / 2
-    got = evaluate("rectangle-pair-impact", ["gap", "approach_normal", "normal_x"], points)
+    got = quantities_at(
+        "rectangle-pair-impact", "frictionless", ["gap", "approach_normal", "normal_x"], points
+    )
     # a sum of lengths of a tenth of a metre, and of speeds of a metre a second
     np.testing.assert_allclose(got["gap"], numbers(gap.subs(t, 0), points), rtol=0, atol=1e-15)
     rate = numbers(sp.diff(gap, t).subs(t, 0), points)
@@ -119,7 +109,7 @@ def test_the_impulse_of_3_24_and_3_44(points):
     solved = np.linalg.solve(rows, side[..., None])[..., 0].T
     after_names = [f"{name}_after" for name in names]
     outputs = ["approach_normal", *after_names, "impulse_normal"]
-    got = evaluate("rectangle-pair-impact", outputs, points)
+    got = quantities_at("rectangle-pair-impact", "frictionless", outputs, points)
     hits = got["approach_normal"] < 0
     assert hits.sum() > 50
     for name, expected in zip([*after_names, "impulse_normal"], solved, strict=True):
@@ -135,7 +125,9 @@ def test_contact_points_have_no_inertia_of_their_own(points):
     integral = sp.integrate(
         sp.integrate(m / (a * h) * (x**2 + y**2), (x, -h / 2, h / 2)), (y, -a / 2, a / 2)
     )
-    got = evaluate("rectangle-pair-impact", ["inertia_1", "impulse_normal"], points)
+    got = quantities_at(
+        "rectangle-pair-impact", "frictionless", ["inertia_1", "impulse_normal"], points
+    )
     function = sp.lambdify([h, a, m], integral, "numpy")
     expected = function(points["length_1"], points["width_1"], points["mass_1"])
     np.testing.assert_allclose(got["inertia_1"], expected, rtol=1e-14)
@@ -160,6 +152,6 @@ def test_the_axial_inertia_of_a_cylinder():
     both["position_z_1"] = np.asarray(0.02)
     for spin, expected in (("spin_x_1", axial), ("spin_z_1", across)):
         at = both | {spin: np.asarray(7.0)}
-        got = evaluate("cylinder-pair-impact", ["energy_before"], at)
+        got = quantities_at("cylinder-pair-impact", "frictionless", ["energy_before"], at)
         value = float(expected.subs({m: 0.3, d: 0.02, h: 0.05})) * 7**2 / 2
         assert float(got["energy_before"]) == pytest.approx(value, rel=1e-14)

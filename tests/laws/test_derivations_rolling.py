@@ -4,8 +4,6 @@ Axes: E1 upwards, E2 in rolling direction, E3 along the axis; they turn with the
 in brackets are equations of the source.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy as sp

@@ -3,8 +3,6 @@
 `python -m benchmarks.honest_estimates` does the same over ten thousand.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

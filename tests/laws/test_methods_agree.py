@@ -3,8 +3,6 @@
 Random cells of every scene and kind of drive; `VIBRAFEED_LAW_CELLS` raises their number.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Where no choice keeps all limits: how near one gets, and what would keep them."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

@@ -1,7 +1,5 @@
 """Fits of recordings, and speeds by them, state errors that are as large as the true ones."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.stats import binom

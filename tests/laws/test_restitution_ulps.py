@@ -1,7 +1,5 @@
 """What a motion with restitution is called does not hang on the last bits of its parameters."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

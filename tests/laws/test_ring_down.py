@@ -1,7 +1,5 @@
 """The free vibration of struck feeders that are known: 200 recordings of 16 bits at 1 kHz."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.stats import binom

@@ -1,7 +1,5 @@
 """Optima over what is not known, or by chance, set against what did not choose them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Intervals of calibrations and of Sobol indices hold the truth as often as they say."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A Python client that a generator makes of our OpenAPI document calls every route; by night."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

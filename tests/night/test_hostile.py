@@ -1,7 +1,5 @@
 """Clients that mean harm, or are many: others are answered, and memory comes back."""
 
-from __future__ import annotations
-
 import pytest
 
 from benchmarks import hostile

@@ -1,7 +1,5 @@
 """Long work beside short, on workers elsewhere, of an earlier commit; starts on bad disks."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tarfile

@@ -1,9 +1,8 @@
 """The page by night: in Firefox too, and under random actions."""
 
-from __future__ import annotations
-
 import asyncio
 import csv
+import json
 import random
 from pathlib import Path
 from typing import Any
@@ -42,6 +41,7 @@ SAVE = """(() => {
   items.find((one) => one.textContent === "Table (CSV)").click();
 })()"""
 ACTIONS = count(200, 2000, "VIBRAFEED_FUZZ_ACTIONS")
+OF_FIREFOX = ACTIONS // 10
 SEED = 34
 MONKEY = (Path(__file__).parent / "monkey.js").read_text()
 KINDS = {
@@ -127,3 +127,22 @@ def test_random_actions_leave_address_fields_and_picture_of_one_mind(page, servi
         if chance.random() < REST or not left:
             page.evaluate("settled()")
             assert page.evaluate("disagreements()") == [], done[-8:]
+
+
+def test_random_actions_in_firefox(service, tmp_path):
+    program = tool("firefox-esr", "firefox")
+
+    async def walked() -> None:
+        async with firefox(program, tmp_path) as tab:
+            await tab.go(f"{service.address}/")
+            await tab.evaluate(MONKEY)
+            await tab.evaluate("settled()")
+            chance, done = random.Random(SEED), []
+            for left in reversed(range(OF_FIREFOX)):
+                done.append(action(chance))
+                await tab.evaluate(f"act({json.dumps(done[-1])})")
+                if chance.random() < REST or not left:
+                    await tab.evaluate("settled()")
+                    assert await tab.evaluate("disagreements().then(String)") == "", done[-8:]
+
+    asyncio.run(walked())

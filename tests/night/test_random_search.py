@@ -5,8 +5,6 @@ beyond. What is accepted as a job is dismissed, one of `FOLLOWED` after it has b
 while. A few by day, 20,000 by night; `VIBRAFEED_FUZZ_CASES` says how many else.
 """
 
-from __future__ import annotations
-
 import json
 import time
 from concurrent.futures import ThreadPoolExecutor

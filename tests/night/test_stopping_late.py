@@ -1,7 +1,5 @@
 """A server that is told to stop, and has reasons not to."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import signal

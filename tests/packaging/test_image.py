@@ -1,7 +1,5 @@
 """What is shipped: the image's recipe, the dependencies' reasons, the public names."""
 
-from __future__ import annotations
-
 import io
 import json
 import re

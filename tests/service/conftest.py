@@ -1,7 +1,5 @@
 """A server of one's own, run as users run it, and the tools that are not ours."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import pytest

@@ -1,7 +1,5 @@
 """Clients that we ship and show: the design tool, those of the documents, an agent's program."""
 
-from __future__ import annotations
-
 import asyncio
 import base64
 import json

@@ -1,7 +1,5 @@
 """A Dask scheduler takes calls as processes do; two workers compute what one machine does."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import os

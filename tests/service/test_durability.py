@@ -4,8 +4,6 @@ By night there are 20 kills; ``KILLS`` says how many else. With ``LEDGER=postgre
 ledger of each test is a database of Debian's PostgreSQL.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import signal

@@ -10,6 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from vibrafeed.app.cli import COMMANDS
 from vibrafeed.core.plan.evaluate import share_out
 from waiting import PATIENCE, wait_for
 
@@ -59,6 +60,99 @@ xarray.register_dataset_accessor = lambda name: seen.append(name) or (lambda acc
 sys.modules["xarray"] = xarray
 import vibrafeed
 print(*sorted(seen))
+"""
+
+
+# As on a worker: functions found by their names, and run.
+WORK = """
+import importlib, pathlib, sys
+directory = pathlib.Path("data")
+run = importlib.import_module("vibrafeed.app.jobs.work")
+from vibrafeed.app.jobs.store import Store
+from vibrafeed.core.code_version import code_version
+from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plan.pieces import cells_of_piece
+study = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["throw_number"],
+         "parameters": {"frequency": 50, "amplitude": 0.001, "beta": [0, 30, 60]}}
+store = Store(directory)
+prepared = prepare_content(study)
+key, _ = store.add(prepared.study)
+cells = cells_of_piece(prepared, 1.0)
+run.compute_block(str(directory), key, "sweep", cells, 0, code_version())
+run.write_result(str(directory), key, "sweep", cells, 0.0)
+assert store.manifest(key) is not None
+import vibrafeed.app.web.calculations  # what it loads to read studies
+import vibrafeed.app.jobs.accuracy  # what it loads for a report of accuracy
+print(*sorted(sys.modules))
+"""
+SERVICE = """
+import os, sys
+import vibrafeed.app.main
+assert os.listdir() == []  # importing builds nothing
+from vibrafeed.app.settings import Settings
+from vibrafeed.app.web.execution import AnyStudy, MeasuredStudy
+vibrafeed.app.main.create_app(Settings(data_directory="data"))
+# The schema of all studies is as much work as all else, and only the document shows it.
+assert not AnyStudy.__pydantic_complete__ and not MeasuredStudy.__pydantic_complete__
+print(*sorted(sys.modules))
+"""
+CONSOLE = (
+    "fastapi", "starlette", "uvicorn", "prometheus_client", "typer", "rich", "structlog",
+    "sqlalchemy", "vibrafeed.app.cli", "vibrafeed.app.main", "vibrafeed.app.web.routes",
+)  # fmt: skip
+AT_ONCE = """
+import sys
+import threading
+from vibrafeed.core.intake import parse_study
+
+sys.setswitchinterval(1e-6)
+point = {"frequency": 50, "amplitude": 1e-4, "friction": 0.3}
+plane = {"scene": "rectangle-on-plane", "parameters": {**point, "beta": [10, 20, 30]}}
+studies = [
+    {"kind": "simulate", **plane},
+    {"kind": "sweep", "outputs": ["throw_number"], **plane},
+    {"kind": "sweep", "outputs": ["acceleration_x"], **plane,
+     "reduce": {"over": ["beta"], "statistics": ["max"]}},
+    {"kind": "optimise", "scene": "rectangle-on-track", "parameters": point,
+     "criterion": {"kind": "maximise", "output": "acceleration_x"}},
+]
+barrier, read = threading.Barrier(12), []
+
+def go(content):
+    barrier.wait()
+    read.append(parse_study(content).kind)
+
+threads = [threading.Thread(target=go, args=(studies[k % 4],)) for k in range(12)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+print(*sorted(read))
+"""
+HEAVY = {
+    "dask", "distributed", "fastapi", "h5netcdf", "h5py", "matplotlib", "netCDF4", "numba", "numpy",
+    "openpyxl", "pandas", "pint", "psutil", "pydantic", "rich", "scipy", "sqlalchemy", "tomlkit",
+    "uvicorn", "xarray", "xlsxwriter", "zarr",
+}  # fmt: skip
+READING = {"numpy", "psutil", "pydantic", "scipy"}
+"""What a study is read and planned with; of scipy the names alone are loaded."""
+HELP = [[name, "--help"] for name in COMMANDS]
+HELP += [["key", name, "--help"] for name in ("add", "list", "withdraw", "audit")]
+LIGHT = [
+    ["scenes"], ["scenes", "rectangle-on-track"], ["scenes", "--schema"],
+    ["scenes", "rectangle-on-track", "--method", "reference"], ["run", "fig-5-1.toml", "--dry-run"],
+]  # fmt: skip
+CALLS = """
+import os, sys
+from vibrafeed.app.cli import main
+out, sys.stdout = sys.stdout, open(os.devnull, "w")
+for words in {}:
+    sys.argv = ["vibrafeed", *words]
+    try:
+        main()
+    except SystemExit as end:
+        assert not end.code, (words, end.code)
+print(*sys.modules, file=out)
 """
 
 
@@ -122,3 +216,43 @@ def test_a_fork_has_threads_of_its_own():
     finally:
         child.kill()
         child.join()
+
+
+@pytest.mark.parametrize(
+    ("code", "there", "absent"),
+    [
+        (WORK, "vibrafeed.app.jobs.store", CONSOLE),
+        (SERVICE, "fastapi", ("opentelemetry.sdk", "opentelemetry.exporter", "distributed")),
+    ],
+)
+def test_what_is_loaded(tmp_path, code, there, absent):
+    loaded = told(code, tmp_path)
+    assert there in loaded
+    assert [name for name in loaded if name.startswith(absent)] == []
+
+
+@pytest.mark.parametrize(
+    ("calls", "allowed"),
+    [
+        ([["--help"], *HELP], set()),
+        (LIGHT, READING),
+        ([["run", "fig-5-1.toml"]], READING | {"netCDF4"}),
+        ([["run", "nut.toml"]], READING | {"netCDF4", "numba"}),
+    ],
+    ids=["help", "light", "closed forms", "motion"],
+)
+def test_commands_load_what_they_need(calls, allowed, tmp_path):
+    """`benchmarks/start_up.py` measures the time."""
+    for name in ("figures/fig-5-1", "nut"):
+        study = ROOT / "configs" / f"{name}.toml"
+        (tmp_path / study.name).write_bytes(study.read_bytes())
+    modules = set(told(CALLS.format(calls), tmp_path))
+    assert HEAVY & modules <= allowed
+    if not allowed:
+        assert {f"vibrafeed.app.cli.{name}" for name in COMMANDS} <= modules
+        assert not any(name.startswith("vibrafeed.core.study") for name in modules)
+
+
+def test_threads_may_read_their_first_studies_at_once(tmp_path):
+    """Models of studies are built when they are first used: by one thread or by many at once."""
+    assert told(AT_ONCE, tmp_path) == 3 * ["optimise"] + 3 * ["simulate"] + 6 * ["sweep"]

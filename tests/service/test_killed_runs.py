@@ -1,7 +1,5 @@
 """A run that is killed, or stopped while it compiles: nothing that was there is lost."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

@@ -1,7 +1,5 @@
 """The ledger in PostgreSQL, which may be away for a while."""
 
-from __future__ import annotations
-
 import signal
 
 import pytest

@@ -3,8 +3,6 @@
 What a document must hold is written down from the text of the standard, OGC 18-062r2 (1.0.0).
 """
 
-from __future__ import annotations
-
 import datetime
 from collections.abc import Mapping
 from typing import Any
@@ -194,12 +192,3 @@ def test_jobs_are_listed_and_dismissed(client, server):
     assert reply.status_code == 200
     check_status(reply.json())
     assert followed(reply.json(), "self").json()["status"] == "dismissed"
-
-
-def test_what_is_missing_is_told_as_the_standard_asks(client, server):
-    with pytest.raises(RuntimeError, match=f"{EXCEPTIONS}no-such-process"):
-        client.process("nothing")
-    for method, end in (("GET", ""), ("DELETE", ""), ("GET", "/results")):
-        reply = requests.request(method, f"{server}/jobs/nothing{end}", timeout=PATIENCE)
-        assert reply.status_code == 404
-        assert reply.json()["type"] == f"{EXCEPTIONS}no-such-job"

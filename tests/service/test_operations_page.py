@@ -1,7 +1,5 @@
 """What docs/operations.md tells is carried out: proxy, backup and restore, upgrade, container."""
 
-from __future__ import annotations
-
 import contextlib
 import gzip
 import json

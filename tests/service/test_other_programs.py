@@ -1,7 +1,5 @@
 """Results as Octave, R, LibreOffice and an older xarray read them, where these are installed."""
 
-from __future__ import annotations
-
 import csv
 import shutil
 import subprocess

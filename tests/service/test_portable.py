@@ -3,8 +3,6 @@
 No Windows and no Mac was at hand. The harness, and what it cannot imitate, is in `portable.py`.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

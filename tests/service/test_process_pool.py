@@ -1,7 +1,5 @@
 """What runs in the processes of a pool comes back, is ended, or has ended by itself."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 import os

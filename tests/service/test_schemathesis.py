@@ -3,8 +3,6 @@
 A few cases a route by day, 500 and three seeds by night; `VIBRAFEED_FUZZ_CASES` says how many else.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The server's process: how it starts, how it is told to stop, and how it ends."""
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import http.client

@@ -1,6 +1,7 @@
 // The answer to each question in a number, a unit and a sentence, of what the service computed of the design.
 
 import { flagOf, valueOf } from "./computed.js";
+import { gathersTold } from "./plate.js";
 import { capital, number, shown, withUnit, words } from "./words.js";
 
 const HOP = 1e-9; // m: what is lower is rounding
@@ -40,7 +41,7 @@ function ends(low, high, unit, digits = 2) {
 
 // The sentence of a band: "42 to 57 mm/s for friction 0.2 to 0.4".
 function bandTold({ name, low, high, from, to }, unit, parameterUnit) {
-  return `${ends(low, high, unit)} for ${words(name).replace(" coefficient", "")} ${ends(from, to, parameterUnit)}`;
+  return `${ends(low, high, unit)} for ${words(name)} ${ends(from, to, parameterUnit)}`;
 }
 
 function hopTold({ dataset, scene }) {
@@ -53,8 +54,10 @@ function hopTold({ dataset, scene }) {
 function speed({ view, scene, dataset, band, sine, unitOf }) {
   const value = valueOf(dataset, view.output);
   const unit = unitOf(view.output);
-  const parts = [];
+  const axes = view.question === "drive" ? [view.x, view.y].filter(Boolean) : [];
+  const parts = axes.length ? [axes.map(({ name }) => `${words(name)} ${withUnit(view.values[name], unitOf(name), 3)}`).join(", ")] : [];
   if (band) parts.push(bandTold(band, unit, unitOf(band.name)));
+  if (band?.isUnsettled) parts.push(`the direction depends on the ${words(band.name)}`);
   if (sine) parts.push(`${number(value / sine, 2)} times the speed with a sine of the same amplitudes`);
   parts.push(hopTold({ dataset, scene }));
   return { ...told(value, unit), sentence: parts.join("; "), strip: band && { ...band, value, unit } };
@@ -81,7 +84,7 @@ function uncertain(given) {
   const [factor, name] = shown(unit);
   const range = ends(band.low, band.high, unit).replace(name, "").trim();
   const most = matters?.[0];
-  const parts = [`for ${words(band.name).replace(" coefficient", "")} ${ends(band.from, band.to, unitOf(band.name))}`];
+  const parts = [`for ${words(band.name)} ${ends(band.from, band.to, unitOf(band.name))}`];
   if (most) parts.push(`the ${words(most.name)} matters most`);
   const value = valueOf(dataset, view.output);
   parts.push(`${number(value * factor, 3)} ${name} in the middle`);
@@ -101,6 +104,18 @@ function springs(given) {
   return { ...told(valueOf(dataset, view.output), unitOf(view.output)), sentence };
 }
 
+// `field` is a map with the velocity over the plate, or null.
+function plate(given) {
+  const { view, dataset, unitOf, band, field } = given;
+  if (view.output !== "travel_speed") return any(given);
+  const value = valueOf(dataset, view.output);
+  const unit = unitOf(view.output);
+  const direction = valueOf(dataset, "travel_direction");
+  const made = told(value, unit);
+  const parts = [band && bandTold(band, unit, unitOf(band.name)), field && gathersTold(field), hopTold(given), "0° is along x, 90° along y"];
+  return { ...made, unit: Number.isFinite(direction) ? `${made.unit} to ${number(direction, 3)}°` : made.unit, sentence: parts.filter(Boolean).join("; "), strip: band && { ...band, value, unit } };
+}
+
 function rows(given) {
   const { view, dataset, unitOf } = given;
   const value = valueOf(dataset, view.output);
@@ -112,15 +127,18 @@ function rows(given) {
   return { ...told(value, unitOf(view.output)), sentence: parts.filter(Boolean).join("; ") };
 }
 
-// The aspects in which a part comes to rest: {name, low, high}, the most frequent first.
+// The aspects in which a part comes to rest, the most frequent first: {name, value, low, high}, of a part from a file
+// with the `size` of the box that it fills.
+/** @param {any} dataset @returns {any[]} */
 export function aspectsOf(dataset) {
-  return Object.keys(dataset?.variables ?? {})
-    .filter((name) => name.startsWith("let_down_share_"))
-    .map((name) => {
-      const aspect = name.slice("let_down_share_".length);
-      const both = [valueOf(dataset, name), valueOf(dataset, `thrown_share_${aspect}`)].filter(Number.isFinite);
-      return { name: aspect, value: both[0], low: Math.min(...both), high: Math.max(...both) };
-    })
+  const named = Object.keys(dataset?.variables ?? {}).filter((name) => name.startsWith("let_down_share_"));
+  const numbered = [dataset?.coordinates?.aspect?.data ?? []].flat();
+  const at = (name, i) => [valueOf(dataset, name)].flat()[i];
+  const all = numbered.length
+    ? numbered.map((name, i) => ({ name: String(name), both: [at("let_down_share", i), at("thrown_share", i)], size: ["length", "width", "height"].map((one) => at(`lying_${one}`, i)) }))
+    : named.map((name) => ({ name: name.slice("let_down_share_".length), both: [name, name.replace("let_down", "thrown")].map((one) => valueOf(dataset, one)).filter(Number.isFinite) }));
+  return all
+    .map(({ both, ...one }) => ({ ...one, value: both[0], low: Math.min(...both), high: Math.max(...both) }))
     .filter(({ value }) => Number.isFinite(value))
     .sort((one, other) => other.value - one.value);
 }
@@ -128,19 +146,25 @@ export function aspectsOf(dataset) {
 const LIES = { on_side: "lie on the side", on_end: "stand on end", upright: "stand upright", inverted: "stand upside down", flat: "lie flat" };
 
 export function liesTold(name) {
+  if (/^\d+$/.test(name)) return `lie in way ${name}`;
   return LIES[name] ?? `rest as ${name.replaceAll("_", " ")}`;
+}
+
+// The name of the aspect that is wanted.
+export function wantedIn({ output, surface }) {
+  return surface ? surface.wanted : output.replace(/^.*_share_/, "");
 }
 
 function resting(given) {
   const { view, dataset } = given;
   const aspects = aspectsOf(dataset);
-  const wanted = aspects.find(({ name }) => view.output.endsWith(`share_${name}`)) ?? (view.output.includes("_share_") ? aspects[0] : null);
+  const wanted = aspects.find(({ name }) => name === wantedIn(view)) ?? (view.output.includes("_share_") ? aspects[0] : null);
   if (!wanted) return any(given);
   const percent = (value) => number(100 * value, 2);
   return {
     number: `${percent(wanted.value)} %`,
     unit: liesTold(wanted.name),
-    sentence: `${percent(wanted.low)} to ${percent(wanted.high)} % by two estimates`,
+    sentence: percent(wanted.low) === percent(wanted.high) ? "Both estimates agree" : `${percent(wanted.low)} to ${percent(wanted.high)} % by two estimates`,
     more: "To be sure, tip out 200 parts and count them.",
     strip: { low: 100 * wanted.low, high: 100 * wanted.high, value: 100 * wanted.value, unit: "%", most: 100 },
   };
@@ -167,7 +191,7 @@ function any({ view, scene, dataset, unitOf }) {
   return { ...told(valueOf(dataset, view.output), unitOf(view.output), 4), sentence: told_ };
 }
 
-const BY_QUESTION = { speed, hop, drive: speed, uncertain, waves: speed, springs, rows, resting, orienting };
+const BY_QUESTION = { speed, hop, drive: speed, uncertain, waves: speed, springs, rows, plate, resting, orienting };
 const SPEEDS = new Set(["conveying_velocity", "drift_velocity"]);
 
 /** The answer: {number, unit, sentence, more, strip}. @param {any} given {view, scene, dataset, band, matters} */

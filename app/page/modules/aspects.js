@@ -1,6 +1,6 @@
 // The ways in which a part comes to rest: a card each, drawn, with its share as a bracket.
 
-import { aspectsOf, liesTold } from "./answers.js";
+import { aspectsOf, liesTold, wantedIn } from "./answers.js";
 import { drawn, element, fill } from "./elements.js";
 import { capital, number, withUnit } from "./words.js";
 
@@ -19,12 +19,12 @@ function sizeOf({ length, width, height, diameter, small_diameter: small }, aspe
   return aspect === "on_side" ? [long, across, across] : [across, across, long];
 }
 
-function boxDrawn(values, aspect) {
-  const [along, deep, tall] = sizeOf(values, aspect);
-  const isRound = values.diameter !== undefined;
+function boxDrawn(values, aspect, size) {
+  const [along, deep, tall] = size ?? sizeOf(values, aspect);
+  const isRound = !size && values.diameter !== undefined;
   const svg = drawn("svg", { viewBox: `0 0 ${ROOM.wide} ${ROOM.tall}`, class: "aspect", "aria-hidden": "true" });
   if (![along, deep, tall].every(Number.isFinite)) return { svg, tall: NaN }; // a shape that is not drawn
-  const reach = Math.max(...[values.length, values.width, values.height, values.diameter].filter(Boolean));
+  const reach = Math.max(...(size ?? [values.length, values.width, values.height, values.diameter].filter(Boolean)));
   const scale = Math.min(110 / reach, 96 / reach);
   const [w, h, d] = [along * scale, tall * scale, deep * scale * DEPTH];
   const [x, y] = [(ROOM.wide - w - d) / 2, ROOM.tall - 12];
@@ -53,7 +53,7 @@ function boxDrawn(values, aspect) {
 }
 
 export class Aspects {
-  // `onwant(output)` hears of the aspect that is wanted.
+  // `onwant(name)` hears of the aspect that is wanted.
   constructor(host, onwant) {
     this.host = host;
     this.onwant = onwant;
@@ -65,18 +65,18 @@ export class Aspects {
     const width = (share) => `${Math.max(0, Math.min(100, 100 * share))}%`;
     fill(
       this.host,
-      ...aspects.map(({ name, value, low, high }) => {
-        const { svg, tall } = boxDrawn(view.values, name);
+      ...aspects.map(({ name, value, low, high, size }) => {
+        const { svg, tall } = boxDrawn(view.values, name, size);
         const bar = element("span", { class: "bar" });
         bar.style.setProperty("--value", width(value));
         bar.style.setProperty("--low", width(low));
         bar.style.setProperty("--high", width(high));
-        const isWanted = view.output.endsWith(`share_${name}`);
+        const isWanted = name === (wantedIn(view) ?? aspects[0].name);
         const range = number(100 * low, 2) === number(100 * high, 2) ? `${number(100 * low, 2)} %` : `${number(100 * low, 2)} to ${number(100 * high, 2)} %`;
         return element(
           "button",
-          { type: "button", class: "aspect-card", "aria-pressed": String(isWanted), onclick: () => this.onwant(`let_down_share_${name}`) },
-          element("span", { class: "head" }, element("b", {}, capital(liesTold(name).replace(/^(lie|stand|rest as) /, ""))), element("small", {}, `${isWanted ? "wanted, " : ""}${Number.isFinite(tall) ? `${withUnit(tall, "m", 3)} high` : ""}`)),
+          { type: "button", class: "aspect-card", "aria-pressed": String(isWanted), onclick: () => this.onwant(name) },
+          element("span", { class: "head" }, element("b", {}, capital(liesTold(name).replace(/^(lie in|lie|stand|rest as) /, ""))), element("small", {}, `${isWanted ? "wanted, " : ""}${Number.isFinite(tall) ? `${withUnit(tall, "m", 3)} high` : ""}`)),
           svg,
           element("span", { class: "share" }, range),
           bar,

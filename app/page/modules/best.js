@@ -1,8 +1,13 @@
-// The best of a view: made whole, and as a study.
+// The best of a view: made whole, as a study, and searched for.
 
+import { designsOf } from "./answer.js";
 import { FIGURES, NEEDS_OTHER, usualBest } from "./criterion.js";
+import { carryOut } from "./service.js";
 import { givenNames, givenValues, shownParameters, typical } from "./view.js";
 import { capital, words } from "./words.js";
+
+const WIDER = 4; // times the frequency, either way, among which another one is looked for
+const RUBBER = 0.8; // friction of a lined track
 
 // The best of a view made whole, and a sentence about each part of it that made no sense.
 export function completeBest(view, scene) {
@@ -113,4 +118,35 @@ export function bestStudy(view, scene) {
     delete study.parameters[name];
   } else if (best.kind !== "pareto") study.sensitivities = true;
   return study;
+}
+
+/** @param {any} view @param {any} scene @param {import("./computed.js").How} how */
+export async function searched(view, scene, { signal, tell }) {
+  return designsOf((await carryOut("optimise", bestStudy(view, scene), { signal, tell })).dataset, variablesOf(view));
+}
+
+/**
+ * Where no design keeps all limits: how near each limit comes while the others are kept, {output, end, bound, at, value};
+ * and what would have them kept, {name, at, value} of a parameter that is freed.
+ * @param {any} view @param {any} scene @param {import("./computed.js").How} how
+ */
+export async function nearestTo(view, scene, how) {
+  const { best } = view;
+  const first = async (other) => (await searched({ ...view, ...other }, scene, how))[0];
+  const [near, ways] = [[], []];
+  const bounds = best.limits.flatMap((limit) => ["lower", "upper"].filter((end) => limit[end] !== null).map((end) => ({ limit, end })));
+  for (const { limit, end } of bounds) {
+    const limits = best.limits.map((one) => (one === limit ? { ...one, [end]: null } : one));
+    const found = await first({ output: limit.output, best: { ...best, kind: end === "lower" ? "maximise" : "minimise", limits } });
+    const value = found.values[limit.output]?.value;
+    if (found.isThere && (end === "lower" ? value < limit.lower : value > limit.upper)) near.push({ output: limit.output, end, bound: limit[end], at: found.at, value });
+  }
+  const { frequency, friction } = view.values;
+  const wider = { frequency: [frequency / WIDER, WIDER * frequency], friction: [friction, RUBBER] };
+  for (const [name, [from, to]] of Object.entries(wider)) {
+    if (!(from < to) || variablesOf(view).includes(name) || (best.isRobust && view.band?.name === name)) continue;
+    const found = await first({ best: { ...best, vary: [...best.vary, { name, from, to }] } });
+    if (found.isThere) ways.push({ name, at: found.at, value: found.values[view.output].value });
+  }
+  return { near, ways };
 }

@@ -11,7 +11,9 @@ export class Catalogue {
   }
 
   async load() {
-    this.scenes = await this.ask("/scenes");
+    const scenes = await this.ask("/scenes");
+    // A part from a file is dropped, not chosen.
+    this.scenes = scenes.map((one) => ({ ...one, variants: one.variants.filter((name) => name !== "mesh") }));
   }
 
   scene(name) {

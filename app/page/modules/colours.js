@@ -1,10 +1,10 @@
 // Colours of values: blue forwards, orange backwards, light at zero, in steps at round values.
 
+const { extent, quantile } = /** @type {any} */ (window).d3;
 const FORWARDS = ["F4F5F5", "CFE1F0", "97C0E2", "5596CB", "1F68AE", "0A3F77", "061F42"].map(channels);
 const BACKWARDS = ["F4F5F5", "F7DBBE", "EDB27A", "D4833A", "A85610", "703403", "3D1B00"].map(channels);
 const STEPS = 18;
 const FROM_ZERO = 0.5; // of the largest value: what begins below it begins at zero
-const SAMPLE = 4000; // values
 
 function channels(hex) {
   return [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16));
@@ -24,14 +24,9 @@ function roundUp(value) {
 
 // The scale of values: {low, high, step, bands}, the colour of each step. What sticks out far is cut.
 export function scaleOf(values) {
-  let low = Infinity;
-  let high = -Infinity;
-  for (const value of values) {
-    if (value < low && value > -Infinity) low = value;
-    if (value > high && value < Infinity) high = value;
-  }
-  if (low > high) return null;
-  const most = usualEnds(values);
+  let [low, high] = extent(values, (value) => (Number.isFinite(value) ? value : NaN));
+  if (low === undefined) return null;
+  const most = [0.01, 0.99].map((share) => quantile(values, share)); // of all but what sticks out far
   if (high - low > 4 * (most[1] - most[0]) && most[1] > most[0]) [low, high] = most;
   if (high - low < 1e-9 * Math.max(Math.abs(low), Math.abs(high), 1e-300)) {
     const room = 0.05 * Math.max(Math.abs(low), Math.abs(high)) || 1;
@@ -59,17 +54,4 @@ export function scaleOf(values) {
 export function bandOf({ low, step, bands }, value) {
   const at = Math.floor((value - low) / step + 1e-9);
   return at < 0 ? 0 : at >= bands.length ? bands.length - 1 : at;
-}
-
-// Where all but a hundredth lie at either end, judged by some of the values: sorting all of a fine map
-// takes longer than a frame. The step is odd, so that it does not keep to the same columns.
-function usualEnds(values) {
-  const step = Math.floor(values.length / SAMPLE) | 1;
-  const some = new Float64Array(Math.ceil(values.length / step));
-  let count = 0;
-  for (let i = 0; i < values.length; i += step) {
-    if (Number.isFinite(values[i])) some[count++] = values[i];
-  }
-  const sorted = some.subarray(0, count).sort();
-  return [0.01, 0.99].map((share) => sorted[Math.floor(share * (count - 1))]);
 }

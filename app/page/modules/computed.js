@@ -1,6 +1,7 @@
 // From a view to numbers: slices of a sweep, the motion of a grid of parts, or one design.
 
 import { carryOut, put, slice } from "./service.js";
+import { surfaceStudy } from "./surface.js";
 import { givenNames, givenValues } from "./view.js";
 import { duration } from "./words.js";
 
@@ -10,7 +11,7 @@ import { duration } from "./words.js";
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
 const COARSE = 30; // of motion, while something is dragged and first of all
 const ROUGH = 10; // of methods that take long
-const BETWEEN = 3; // parts between neighbours, at which regimes are asked for along borders
+const FIELD = 15; // of arrows over a plate, along which velocities change little by little
 const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer values
 const CONSENT = 60; // s of computing that are not begun without being asked for
 const LINE = 201;
@@ -18,11 +19,13 @@ const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
 const DRAGGED = 101; // places of a slider
 const MAX_KEPT = 32; // slices, of 0.4 MB
 const MAX_SWEPT = 64; // outputs of one design
+// The outputs whose least and largest value over a range the service finds, wherever they lie.
+const RANGED = ["conveying_velocity", "feed_rate", "velocity_x", "velocity_y", "travel_speed", "velocity_towards"];
 // What is asked for of one design, where the scene has it.
 const AT_A_POINT = [
   "conveying_velocity", "drift_velocity", "throw_number", "hop_height", "flight_fraction", "platoons",
   "platoon_size_1", "platoon_velocity_1", "natural_frequency", "oriented_feed_rate_lower", "oriented_feed_rate_upper",
-  "line_feed_rate", "return_rate", "purity",
+  "line_feed_rate", "return_rate", "purity", "travel_direction",
 ];
 const SHARES = /_share_/;
 
@@ -48,11 +51,17 @@ export function studyWith(view, outputs, parameters) {
   };
 }
 
+// The components of the velocity over the places of a plate, which arrows are drawn of.
+const COMPONENTS = ["velocity_x", "velocity_y"];
+function fieldOf({ kind, x, y }) {
+  return kind === "simulate" && x.name === "position_x" && y?.name === "position_y" ? COMPONENTS : [];
+}
+
 function mapStudy(view, num = FINE[view.kind]) {
   const parameters = givenValues(view);
   parameters[view.x.name] = span(view.x, view.y ? num : LINE);
   if (view.y) parameters[view.y.name] = span(view.y, num);
-  return studyWith(view, [view.output], parameters);
+  return studyWith(view, [...new Set([view.output, ...fieldOf(view)])], parameters);
 }
 
 // The outputs of one design: that of the view, what its answer tells, and of a list all that can be computed.
@@ -72,7 +81,7 @@ function designStudy(view, scene, { isList = false, values = null, hasPath = fal
 // One design: {dataset, seconds}; with the path of its part where the system has one.
 /** @param {View} view @param {any} scene @param {How} how */
 export async function design(view, scene, { signal, tell } = {}, more = {}) {
-  const study = designStudy(view, scene, more);
+  const study = view.surface && !more.values ? surfaceStudy(view) : designStudy(view, scene, more);
   const { dataset, seconds } = await carryOut(study.kind, study, { signal, tell });
   return { dataset, seconds };
 }
@@ -94,19 +103,43 @@ export function flagOf(dataset, name = "regime") {
   return Object.keys(flags).find((one) => flags[one] === data) ?? "";
 }
 
+// What is not known exactly, as a study gives it: a range, of which the service finds the extremes of speeds, else some
+// values of it.
+/** @param {any} view @param {any} scene */
+function rangeOf({ band: { name, share }, values, output, choice }, scene) {
+  const list = BAND.map((step) => values[name] * (1 + step * share)).sort((a, b) => a - b);
+  const [low, high] = [list[0], list.at(-1)];
+  const isRange = RANGED.includes(output) && (!choice || choice === scene.methods[0]);
+  return { name, low, high, isRange, given: isRange ? { low, high } : list };
+}
+
 // The least and the largest value of the output of a design within its band, or null.
 /** @param {View} view @param {any} scene @param {How} how */
 export async function bandAt(view, scene, { signal } = {}) {
-  const { name, share } = view.band;
-  const values = givenValues(view);
-  const list = BAND.map((step) => view.values[name] * (1 + step * share));
-  const study = studyWith(view, [view.output], { ...values, [name]: list });
-  const found = (await carryOut(view.kind, study, { signal })).dataset.variables[view.output];
-  const known = (found?.data ?? []).filter((one) => Number.isFinite(one));
-  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from: list[0], to: list.at(-1) } : null;
+  const { name, low, high, isRange, given } = rangeOf(view, scene);
+  const { dataset } = await carryOut(view.kind, studyWith(view, [view.output], { ...givenValues(view), [name]: given }), { signal });
+  const found = isRange ? ["least", "most"].map((end) => valueOf(dataset, `${view.output}_${end}`)) : (valueOf(dataset, view.output) ?? []);
+  const known = found.filter((one) => Number.isFinite(one));
+  const isUnsettled = flagOf(dataset, "sign_unsettled") === "unsettled";
+  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from: low, to: high, isUnsettled } : null;
 }
 
-// One output over its axes, however the service laid it out: {x, y, z, regime}.
+// The same along a line: {low, high} of lists; null over the band's own parameter.
+/** @param {View} view @param {any} scene @param {How} how */
+export async function bandOver(view, scene, { signal } = {}) {
+  const { name, isRange, given } = rangeOf(view, scene);
+  if (view.x.name === name) return null;
+  const study = mapStudy(view);
+  study.parameters[name] = given;
+  const { dataset } = await carryOut(view.kind, study, { signal });
+  if (isRange) return { low: valueOf(dataset, `${view.output}_least`), high: valueOf(dataset, `${view.output}_most`) };
+  const { dims, data } = dataset.variables[view.output];
+  const lists = dims[0] === name ? data[0].map((_, i) => data.map((row) => row[i])) : data;
+  const known = lists.map((list) => list.filter(Number.isFinite));
+  return { low: known.map((list) => Math.min(...list)), high: known.map((list) => Math.max(...list)) };
+}
+
+// One output over its axes, however the service laid it out: {x, y, z, regime, field}.
 function fromDataset(dataset, view) {
   const axis = (name) => {
     const { data, units } = dataset.coordinates[name];
@@ -119,7 +152,9 @@ function fromDataset(dataset, view) {
   };
   const variable = dataset.variables[view.output];
   const regime = dataset.variables[variable.ancillary_variables ?? "regime"];
+  const [vx, vy] = fieldOf(view).map((name) => reader(dataset.variables[name]));
   return {
+    field: vx && { x: vx, y: vy },
     x: axis(view.x.name),
     y: view.y ? axis(view.y.name) : null,
     z: { name: view.output, unit: variable.units, at: reader(variable), isJudged: "ancillary_variables" in variable },
@@ -177,7 +212,8 @@ export class Source {
     if (view.kind === "sweep") return this.sliced(view, held?.name ? held : null, signal);
     const isSlow = scene.methods.length > 1 && view.choice !== "" && view.choice !== scene.methods[0];
     if (isSlow) return this.slow(view, { signal, tell, show, isAgreed, isHeld: Boolean(held) });
-    if (held) return fromDataset(await this.motion(view, COARSE, { signal, tell }), view);
+    if (fieldOf(view).length) return this.moved(view, FIELD, { signal, tell });
+    if (held) return fromDataset((await carryOut("simulate", mapStudy(view, COARSE), { signal, tell })).dataset, view);
     if (!this.isWarm && view.y) {
       show?.(await this.moved(view, COARSE, { signal, tell }));
       this.isWarm = true;
@@ -187,10 +223,6 @@ export class Source {
       if (!view.y || this.next <= 1.5 * this.fineness) return found; // the first may have waited for code to load
       show?.(found);
     }
-  }
-
-  async motion(view, num, how) {
-    return (await carryOut("simulate", mapStudy(view, num), how)).dataset;
   }
 
   // A method that may take long: few values first, more when somebody says so.
@@ -224,41 +256,6 @@ export class Source {
     const one = { ...view, x: { name, from, to }, y: null };
     const study = mapStudy(one);
     return fromDataset((await carryOut(view.kind, study, { signal })).dataset, one);
-  }
-
-  // Regimes between the cells of a map of closed forms, along each axis: where borders lie. Null where there
-  // are none, and of motion: its cells may take so long that the service makes a job of them.
-  /** @param {View} view @param {any} found @param {How} how */
-  async between(view, found, { signal } = {}) {
-    if (view.kind !== "sweep" || !found.regime || !found.y) return null;
-    const counts = [found.x, found.y].map(({ values }) => values.length);
-    const axes = [view.x.name, view.y.name];
-    const asked = async (finer) => {
-      const study = mapStudy(view);
-      [view.x, view.y].forEach((axis, k) => {
-        study.parameters[axis.name] = span(axis, k === finer ? (counts[k] - 1) * BETWEEN + 1 : counts[k]);
-      });
-      const id = await this.posted(study, signal);
-      return fromSlice(await slice(id, view.output, axes, {}, signal), view).regime.at;
-    };
-    return { times: BETWEEN, across: await asked(0), up: await asked(1) };
-  }
-
-  // The same at both ends, and between, of what is not known exactly: least and largest of each.
-  /** @param {View} view @param {How} how */
-  async band(view, { signal } = {}) {
-    const { name, share } = view.band;
-    const found = [];
-    for (const step of BAND) {
-      const values = { ...view.values, [name]: view.values[name] * (1 + step * share) };
-      const one = { ...view, values };
-      found.push(view.kind === "sweep" ? await this.sliced(one, null, signal) : fromDataset(await this.motion(one, COARSE, { signal }), one));
-    }
-    const ends = (pick) => (i, j) => {
-      const values = found.map(({ z }) => z.at(i, j)).filter(Number.isFinite);
-      return values.length ? pick(...values) : NaN;
-    };
-    return { x: found[0].x, y: found[0].y, z: found[0].z, low: ends(Math.min), high: ends(Math.max) };
   }
 
   async sliced(view, held, signal) {

@@ -1,6 +1,6 @@
 // The fields of a view: the sliders of its question, part and friction in one menu, all else under Expert.
 
-import { drawn, element, fill, refill } from "./elements.js";
+import { byId, element, fill, refill } from "./elements.js";
 import { choiceField, numberInput } from "./fields.js";
 import { grouped } from "./groups.js";
 import { liftOff } from "./answers.js";
@@ -23,9 +23,7 @@ const KINDS_OF_FRICTION = {
 
 export class Controls {
   // `onchange(patch, {held})` hears of each change; `held` while a slider is.
-  constructor(host, expert, onchange) {
-    this.host = host;
-    this.expert = expert;
+  constructor(onchange) {
     this.onchange = onchange;
     this.frictions = []; // rows of published coefficients
   }
@@ -38,20 +36,17 @@ export class Controls {
     this.sliders = new Map();
     const record = QUESTIONS[view.question];
     const ofSet = view.set && view.set !== STROKE ? Object.keys(SETS[view.set].parameters) : [];
-    const named = [...ofSet, ...record.sliders];
+    const named = record.sliders.some((name) => ofSet.includes(name)) ? record.sliders : [...ofSet, ...record.sliders];
     let first = named.map((name) => parameters.find((one) => one.name === name)).filter(Boolean);
     if (!first.length && record.sliders.length) first = parameters.filter(({ name }) => name !== SELDOM).slice(0, 3);
     this.first = new Set(first.map(({ name }) => name));
     const isSearch = view.question === "drive";
     const bounds = isSearch ? [view.x, view.y].filter(Boolean).map((axis) => this.bounds(axis)) : [];
-    refill(
-      this.host,
-      element("div", { class: "sliders" }, ...bounds, ...first.map((one) => this.slider(one))),
-      this.partMenu(),
-    );
+    refill(byId("first"), ...bounds, ...first.map((one) => this.slider(one)));
+    this.partMenu();
     // A place of a line without a device has no turn.
     const isEmpty = (name) => /^turn_\d$/.test(name) && !Object.keys(view.values).some((one) => !/^(turn|drop_count)/.test(one) && one.endsWith(name.slice(4)));
-    this.tellExpert(scenes, parameters.filter(({ name }) => !this.first.has(name) && !this.inMenu.has(name) && !isEmpty(name)));
+    this.tellExpert(scenes, parameters.filter(({ name }) => !this.sliders.has(name) && !isEmpty(name)));
   }
 
   bounds(axis) {
@@ -87,7 +82,7 @@ export class Controls {
   share() {
     const { band } = this.view;
     const check = (value) => (value > 0 && value <= 90 ? "" : "The uncertainty has to be more than 0 % and at most 90 %");
-    const field = numberInput("Known within, in per cent", 100 * band.share, "%", (value) => this.change({ band: { ...this.view.band, share: value / 100 } }), { id: "band-share", check });
+    const field = numberInput("Known within, in per cent", Number((100 * band.share).toPrecision(3)), "%", (value) => this.change({ band: { ...this.view.band, share: value / 100 } }), { id: "band-share", check });
     return element("div", { class: "within" }, "known within ±", element("span", { class: "slot" }, field, element("span", { class: "unit" }, "%")));
   }
 
@@ -105,38 +100,29 @@ export class Controls {
 
   // The part and its friction, in one menu.
   partMenu() {
-    const { view, parameters } = this;
-    this.inMenu = new Set();
-    this.partTold = null;
-    const friction = parameters.find(({ name }) => name === "friction");
-    if (!friction || this.first.has("friction") || !this.scene.methods.length || view.kind !== "simulate") return null;
-    this.inMenu.add("friction");
-    const icon = drawn("svg", { class: "icon", viewBox: "-24 -24 48 28", "aria-hidden": "true" });
-    this.partTold = { icon, title: element("strong"), known: element("span", { class: "known" }) };
+    const { view } = this;
+    const friction = this.parameters.find(({ name }) => name === "friction");
+    this.hasMenu = Boolean(friction) && !this.first.has("friction") && this.scene.methods.length > 0 && view.kind === "simulate";
+    byId("part").hidden = !this.hasMenu;
+    if (!this.hasMenu) return fill(byId("part-fields"));
     const isDrawn = partOf({ ...view, part: "" }).title === PARTS[FIRST_PART].title;
     const choice = isDrawn
       ? choiceField("choose-part", "Part, as it is drawn", Object.entries(PARTS).map(([name, { title }]) => [name, title]), view.part || FIRST_PART, (part) => this.change({ part }))
       : null;
+    refill(byId("part-fields"), choice, this.slider(friction), this.published(friction));
     this.tellPart();
-    return element(
-      "details",
-      { class: "part-menu", id: "part" },
-      element("summary", {}, icon, element("span", { class: "told" }, this.partTold.title, this.partTold.known)),
-      element("div", { class: "sliders" }, choice, this.slider(friction), this.published(friction)),
-    );
   }
 
   tellPart() {
-    if (!this.partTold) return;
+    if (!this.hasMenu) return;
     const { view } = this;
-    const { icon, title, known } = this.partTold;
     const part = partOf(view);
     const scale = Math.min(40 / part.length, 22 / part.height);
-    fill(icon, partDrawn(part, part.length * scale, part.height * scale, { class: "part" }));
-    title.textContent = `${part.title}${view.pair ? `, ${view.pair}` : ""}`;
+    fill(byId("part-icon"), partDrawn(part, part.length * scale, part.height * scale, { class: "part" }));
+    byId("part-title").textContent = `${part.title}${view.pair ? `, ${view.pair}` : ""}`;
     const { friction } = view.values;
     const ends = this.isUncertain("friction") ? [1 - view.band.share, 1 + view.band.share].map((one) => number(friction * one, 2)) : null;
-    fill(known, "friction ", element("b", {}, number(friction, 3)), ends ? `, known as ${ends.join(" to ")}` : "");
+    fill(byId("part-known"), "friction ", element("b", {}, number(friction, 3)), ends ? `, known as ${ends.join(" to ")}` : "");
   }
 
   // Published values of a coefficient of friction: their middle is taken, their range is the band.
@@ -172,9 +158,13 @@ export class Controls {
     const byDefault = view.kind === "sweep" ? system?.default_variant : choices[0];
     const chosen = view.choice || byDefault;
     const told = [scene.title.toLowerCase(), `${view.kind === "sweep" ? "variant" : "method"} ${words(chosen ?? "")}`];
-    fill(this.expert.querySelector("#expert-told"), told.join(", "));
+    fill(byId("expert-told"), told.join(", "));
+    const { choice: name } = QUESTIONS[view.question];
+    const options = choices.map((one) => [one, capital(words(one))]);
+    const selected = choices.length > 1 && this.select(name ?? (view.kind === "sweep" ? "Variant" : "Method"), options, chosen, (one) => this.change({ choice: one }));
+    if (selected && name) byId("first").append(selected);
     refill(
-      this.expert.querySelector("#expert-fields"),
+      byId("expert-fields"),
       element(
         "div",
         { class: "columns" },
@@ -182,9 +172,7 @@ export class Controls {
         system?.methods.length
           ? this.select("Model", [["simulate", "Motion in time: mean speed"], ["sweep", "Closed-form equations: one instant"]], view.kind, (kind) => this.change({ kind, choice: "", output: "" }))
           : null,
-        choices.length > 1
-          ? this.select(view.kind === "sweep" ? "Variant" : "Method", choices.map((name) => [name, capital(words(name))]), chosen, (name) => this.change({ choice: name }))
-          : null,
+        name || !selected ? null : selected,
         this.select("Output", grouped(pictured(scene), ({ name, unit }) => [name, label(name, unit)]), view.output, (name) => this.change({ output: name })),
         this.stroke(),
         this.axis("x", "Across"),
@@ -276,23 +264,11 @@ export class Controls {
     this.change({ [place]: parameter ? { name, from, to } : null });
   }
 
-  // Sentences of the service beside the fields that they concern; returns those that concern none.
+  // Sentences of the service beside the fields that they concern.
   complain(errors) {
-    this.clear();
-    const rest = [];
-    for (const error of errors) {
-      const name = String(error.place).split(".").find((part) => this.sliders.has(part));
-      const slot = name && document.getElementById(`wrong-${name}`);
-      if (slot) slot.textContent = sentence(error);
-      else rest.push(sentence(error));
-    }
-    return rest;
-  }
-
-  clear() {
     for (const name of this.sliders.keys()) {
-      const slot = document.getElementById(`wrong-${name}`);
-      if (slot) slot.textContent = "";
+      const found = errors.find(({ place }) => String(place).split(".").includes(name));
+      byId(`wrong-${name}`).textContent = found ? sentence(found) : "";
     }
   }
 }

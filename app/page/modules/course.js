@@ -36,9 +36,6 @@ export function courseOf(dataset) {
     trackNormal: values("track_normal") ?? zeros(),
     row: rowOf(all, times),
     modes: (values("motion_mode") ?? zeros()).map((value) => names[value] ?? "unknown"),
-    radius: values("radius") ?? null,
-    climb: values("gamma") ?? 0,
-    lean: values("delta") ?? null,
     unit: all.position_along?.units ?? "m",
   };
 }
@@ -69,6 +66,12 @@ export function platoonsAt({ times, row }, time) {
     else found.push([i + 2]);
   });
   return found;
+}
+
+// Where equal neighbours of a list begin and end, [from, to]: one begins where the other ends.
+export function stretches(list) {
+  const begins = [...list.keys()].filter((i) => i === 0 || list[i] !== list[i - 1]);
+  return begins.map((from, k) => [from, begins[k + 1] ?? list.length - 1]);
 }
 
 // The last of the times that is not after one.

@@ -2,7 +2,6 @@
 
 import { drawn } from "./elements.js";
 import { barDrawn } from "./legend.js";
-import { markerDrawn } from "./markers.js";
 import { capital, number, words } from "./words.js";
 
 const LINE = 18; // px
@@ -24,7 +23,7 @@ export function svgDocument(parts, { width, height, style, told, bar = null, reg
   }
   for (const one of regimes) {
     below.push(
-      markerDrawn(one, EDGE + 6, at + 6, 5, { class: "marker" }),
+      drawn("circle", { cx: EDGE + 6, cy: at + 6, r: 5, class: "marker", fill: one.colour }),
       text(`${capital(words(one.name))} ${number(100 * one.share, 2)} %`, EDGE + 20, at + 10),
     );
     at += LINE;

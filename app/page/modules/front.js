@@ -1,149 +1,94 @@
 // A trade-off: two outputs of designs that nothing beats in both, as a plot with a cursor.
 
 import { axesDrawn, axisOf, FRAME } from "./axes.js";
-import { drawn, element, fill } from "./elements.js";
-import { svgDocument } from "./exported.js";
-import { lookOf, markerDrawn } from "./markers.js";
+import { drawn, fill } from "./elements.js";
+import { lookOf } from "./legend.js";
+import { Plot } from "./plot.js";
 import { capital, withUnit, words } from "./words.js";
 
 const SIZE = 5; // px
 const ROOM = 0.05; // of an axis, beyond the points
 
 function ends(values) {
-  const low = Math.min(...values);
-  const high = Math.max(...values);
+  const [low, high] = [Math.min(...values), Math.max(...values)];
   const room = ROOM * (high - low || Math.abs(high) || 1);
   return [low - room, high + room];
 }
 
-export class Front {
+export class Front extends Plot {
   // `onpoint(index)` hears of the point under pointer or cursor, `onpick(index)` of the one chosen.
   constructor(host, { onpoint, onpick }) {
+    super(host, { onpick, name: "map front", label: "Trade-off: left and right" });
     this.onpoint = onpoint;
-    this.onpick = onpick;
-    this.svg = drawn("svg", { "aria-hidden": "true" });
-    this.said = element("p", { class: "said", "aria-live": "polite" });
-    this.box = element(
-      "div",
-      {
-        class: "map front",
-        tabindex: "0",
-        role: "application",
-        "aria-label": "Trade-off: left and right move along it, Enter shows the drive",
-        onpointermove: (event) => this.point(event),
-        onclick: (event) => this.pick(event),
-        onkeydown: (event) => this.press(event),
-      },
-      this.svg,
-    );
-    fill(host, this.box, this.said);
     this.at = null;
-    new ResizeObserver(() => this.draw()).observe(this.box);
   }
 
-  // designs: of {at, values, regime, isKnee}, along the front; `output` against the size of `against`; one that is
-  // not bent has no knee to be named
-  show(designs, { output, against, scene, names, units, isBent }) {
-    this.designs = designs;
-    this.isBent = isBent;
-    this.output = output;
-    this.against = against;
-    this.scene = scene;
-    this.names = names;
-    this.units = units;
-    this.points = designs.map(({ values }) => ({ x: Math.abs(values[against].value), y: values[output].value }));
+  // data: {designs, output, against, scene, names, units, isBent}, of designs {at, values, regime, isKnee} along the front;
+  // `output` against the size of `against`; one that is not bent has no knee to be named.
+  show(data) {
+    this.data = data;
     this.at = null;
-    this.draw();
+    this.redraw();
   }
 
   draw() {
-    if (!this.designs?.length) return;
-    const { clientWidth: width, clientHeight: height } = this.box;
-    if (width < 80 || height < 80) return;
+    const { width, height } = this.size;
+    const { designs, output, against, scene, isBent } = this.data;
     const { left, right, top, bottom } = FRAME;
-    const [first] = this.designs;
-    const along = (name, key, from, to) =>
-      axisOf({ name, unit: first.values[name].unit, values: ends(this.points.map((one) => one[key])) }, from, to);
-    this.x = along(this.against, "x", left, width - right);
-    this.x.label = `Size of ${words(this.against)}${this.x.unitShown ? ` (${this.x.unitShown})` : ""}`;
-    this.y = along(this.output, "y", height - bottom, top);
+    const sizes = designs.map(({ values }) => Math.abs(values[against].value));
+    const largest = designs.map(({ values }) => values[output].value);
+    const along = (name, values, from, to) => axisOf({ name, unit: designs[0].values[name].unit, values: ends(values) }, from, to);
+    this.x = along(against, sizes, left, width - right);
+    this.x.label = `Size of ${this.x.label.slice(0, 1).toLowerCase()}${this.x.label.slice(1)}`;
+    this.y = along(output, largest, height - bottom, top);
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    const placed = this.points.map(({ x, y }) => [this.x.place(x), this.y.place(y)]);
-    this.placed = placed;
-    this.marks = placed.map(([x, y], i) =>
-      markerDrawn(lookOf(this.scene, this.designs[i].regime.name), x, y, SIZE, { class: "marker" }),
-    );
-    const knees = placed
-      .filter((_, i) => this.isBent && this.designs[i].isKnee)
+    this.placed = sizes.map((size, i) => [this.x.place(size), this.y.place(largest[i])]);
+    this.points = this.placed.map(([cx, cy], i) => drawn("circle", { cx, cy, r: SIZE, class: "marker", fill: lookOf(scene, designs[i].regime.name).colour }));
+    const knees = this.placed
+      .filter((_, i) => isBent && designs[i].isKnee)
       .map(([x, y]) => drawn("text", { x: x + 8, y: y + 20, "text-anchor": x > width * 0.8 ? "end" : "start" }, "knee"));
-    fill(
-      this.svg,
-      axesDrawn(this.x, this.y, width, height),
-      drawn("polyline", { points: placed.map((one) => one.map((v) => v.toFixed(1)).join(",")).join(" "), class: "link" }),
-      ...this.marks,
-      ...knees,
-    );
-    this.mark();
-  }
-
-  mark() {
-    this.marks?.forEach((one, i) => {
-      one.classList.toggle("chosen", i === this.at);
-    });
-    if (this.at !== null && this.marks) this.svg.append(this.marks[this.at]);
+    fill(this.svg, axesDrawn(this.x, this.y, width, height), drawn("polyline", { points: this.placed.join(" "), class: "link" }), ...this.points, ...knees);
   }
 
   // Make one point the one that is looked at; null for none.
   highlight(index) {
     this.at = index;
-    this.mark();
-    this.said.textContent = index === null ? "" : this.told(index);
+    this.move();
+  }
+
+  move() {
+    this.points?.forEach((one, i) => one.classList.toggle("chosen", i === this.at));
+    if (this.at !== null && this.points) this.svg.append(this.points[this.at]);
+    this.said.textContent = this.at === null ? "" : this.told(this.at);
   }
 
   told(index) {
-    const { values, regime, at } = this.designs[index];
-    const parts = [this.output, this.against].map(
-      (name) => `${words(name)} ${withUnit(values[name].value, values[name].unit)}`,
-    );
-    const chosen = this.names.map((name) => `${words(name)} ${withUnit(at[name], this.units(name))}`);
+    const { designs, output, against, names, units } = this.data;
+    const { values, regime, at } = designs[index];
+    const parts = [output, against].map((name) => `${words(name)} ${withUnit(values[name].value, values[name].unit)}`);
+    const chosen = names.map((name) => `${words(name)} ${withUnit(at[name], units(name))}`);
     return capital([...parts, ...chosen, words(regime.name)].filter(Boolean).join(", "));
   }
 
-  nearest(event) {
-    const box = this.box.getBoundingClientRect();
-    const [x, y] = [event.clientX - box.left, event.clientY - box.top];
-    const distances = this.placed.map(([px, py]) => Math.hypot(px - x, py - y));
-    return distances.indexOf(Math.min(...distances));
-  }
-
   point(event) {
-    if (this.placed) this.onpoint(this.nearest(event));
+    const box = this.box.getBoundingClientRect();
+    const distances = this.placed.map(([x, y]) => Math.hypot(x + box.left - event.clientX, y + box.top - event.clientY));
+    this.onpoint(distances.indexOf(Math.min(...distances)));
   }
 
   pick(event) {
-    if (!this.placed) return;
-    this.onpoint(this.nearest(event));
+    this.point(event);
     this.onpick(this.at);
   }
 
   press(event) {
-    if (!this.designs?.length) return;
-    const last = this.designs.length - 1;
-    const moves = { ArrowLeft: 1, ArrowDown: 1, ArrowRight: -1, ArrowUp: -1 };
+    const last = this.data.designs.length - 1;
+    const step = { ArrowLeft: 1, ArrowDown: 1, ArrowRight: -1, ArrowUp: -1 }[event.key] * (event.shiftKey ? 5 : 1);
     if (event.key === "Enter" && this.at !== null) this.onpick(this.at);
     else if (event.key === "Home") this.onpoint(0);
     else if (event.key === "End") this.onpoint(last);
-    else if (moves[event.key]) {
-      const step = (event.shiftKey ? 5 : 1) * moves[event.key];
-      this.onpoint(this.at === null ? 0 : Math.max(0, Math.min(last, this.at + step)));
-    } else return;
+    else if (step) this.onpoint(this.at === null ? 0 : Math.max(0, Math.min(last, this.at + step)));
+    else return;
     event.preventDefault();
-  }
-
-  // The picture as one SVG document.
-  svgText(style, told) {
-    const copy = this.svg.cloneNode(true);
-    const { clientWidth: width, clientHeight: height } = this.box;
-    return svgDocument([...copy.childNodes], { width, height, style, told });
   }
 }

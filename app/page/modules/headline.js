@@ -1,33 +1,27 @@
 // The answer on top: the question, its number with unit and sentence, a strip for its range, and what to do where
 // there is none.
 
-import { drawn, element, fill } from "./elements.js";
+import { byId, drawn, element, fill } from "./elements.js";
 import { number, shown } from "./words.js";
 
+const { nice, ticks } = /** @type {any} */ (window).d3;
 const STRIP = { wide: 300, tall: 62, left: 14 };
 const NARROW = 150; // px, on a phone
-
-function roundUp(value) {
-  const power = 10 ** Math.floor(Math.log10(value));
-  return [1, 2, 4, 5, 8, 10].map((one) => one * power).find((one) => one >= value);
-}
 
 // The range of a number on its axis.
 function stripDrawn({ low, high, value, unit, most }) {
   const [factor] = shown(unit);
   const [from, to, at] = [low, high, value].map((one) => one * factor);
   const largest = Math.max(Math.abs(from), Math.abs(to), Math.abs(at)) || 1;
-  const top = most ?? roundUp(1.3 * largest);
-  const bottom = Math.min(from, at) < 0 ? -roundUp(1.3 * Math.max(-Math.min(from, at), 1e-9)) : 0;
+  const [bottom, top] = most ? [0, most] : nice(Math.min(0, 1.3 * from, 1.3 * at), Math.max(0, 1.3 * largest), 4);
   const isNarrow = innerWidth <= 700;
   const wide = isNarrow ? NARROW : STRIP.wide;
   const place = (one) => STRIP.left + ((one - bottom) / (top - bottom)) * (wide - 2 * STRIP.left);
   const line = 40;
   const svg = drawn("svg", { viewBox: `0 0 ${wide} ${STRIP.tall}`, class: "strip", role: "img", "aria-label": `from ${number(from, 3)} to ${number(to, 3)}` });
-  const ticks = isNarrow ? [bottom, (bottom + top) / 2, top] : Array.from({ length: 5 }, (_, k) => bottom + (k / 4) * (top - bottom));
-  svg.append(
+    svg.append(
     drawn("line", { x1: place(bottom), x2: place(top), y1: line, y2: line, class: "axis" }),
-    ...ticks.flatMap((tick) => [
+    ...ticks(bottom, top, isNarrow ? 2 : 4).flatMap((tick) => [
       drawn("line", { x1: place(tick), x2: place(tick), y1: line - 4, y2: line + 4, class: "axis" }),
       drawn("text", { x: place(tick), y: line + 18, "text-anchor": "middle", class: "pale" }, number(tick, 3, top)),
     ]),
@@ -47,31 +41,9 @@ function stripDrawn({ low, high, value, unit, most }) {
 }
 
 export class Headline {
-  constructor(host, title) {
-    this.title = title;
-    this.number = element("strong", {});
-    this.unit = element("span", { class: "unit" });
-    this.strip = element("div", { class: "strip-host" });
-    this.sentence = element("p", { class: "sentence" });
-    this.more = element("span", { class: "pale" });
-    this.spoken = element("p", { class: "spoken", "aria-live": "polite" });
-    this.odd = element("p", { class: "unusual" });
-    this.actions = element("p", { class: "actions" });
-    this.bar = element("div", { class: "progress-bar", hidden: true });
-    this.host = host;
-    host.append(
-      this.bar,
-      element("div", { class: "answered" }, element("p", { class: "answer" }, this.number, " ", this.unit), this.strip),
-      this.sentence,
-      this.spoken,
-      this.odd,
-      this.actions,
-    );
-  }
-
-  ask(title) {
-    this.title.textContent = title;
-    document.title = "vibrafeed";
+  constructor() {
+    this.host = byId("answer");
+    this.parts = Object.fromEntries(["number", "unit", "strip", "sentence", "spoken", "odd", "actions", "bar"].map((id) => [id, byId(`answer-${id}`)]));
   }
 
   /**
@@ -86,31 +58,30 @@ export class Headline {
     this.host.setAttribute("aria-busy", String(state.status === "computing"));
     clearTimeout(this.timer);
     const isBusy = state.status === "computing";
-    if (!isBusy) this.bar.hidden = true;
-    else this.timer = setTimeout(() => (this.bar.hidden = false), 300);
-    if (state.job) this.bar.style.setProperty("--share", `${state.job.progress}%`);
-    this.number.textContent = isFailed ? "–" : (answer?.number ?? "");
-    this.unit.textContent = isFailed ? "" : (answer?.unit ?? "");
+    if (!isBusy) this.parts.bar.hidden = true;
+    else this.timer = setTimeout(() => (this.parts.bar.hidden = false), 300);
+    if (state.job) this.parts.bar.style.setProperty("--share", `${state.job.progress}%`);
+    this.parts.number.textContent = isFailed ? "–" : (answer?.number ?? "");
+    this.parts.unit.textContent = isFailed ? "" : (answer?.unit ?? "");
     const old = state.isLate ? `for the old values. ${waiting || (state.job ? `${state.job.message} ${state.job.progress} %` : state.reason || "Computing.")}` : "";
     const sentence = isFailed ? state.reason : old || (answer ? answer.sentence : "Computing.");
-    fill(this.sentence, sentence, " ", this.more);
-    this.more.textContent = !old && !isFailed && answer?.more ? answer.more : "";
-    fill(this.strip, answer?.strip && !isFailed ? stripDrawn(answer.strip) : "");
-    this.odd.textContent = isFailed ? "" : odd;
+    fill(this.parts.sentence, sentence, " ", !old && !isFailed && answer?.more ? element("span", { class: "pale" }, answer.more) : null);
+    fill(this.parts.strip, answer?.strip && !isFailed ? stripDrawn(answer.strip) : "");
+    this.parts.odd.textContent = isFailed ? "" : odd;
     const same = actions.map(({ text }) => text).join("|");
     this.onclick = actions.map(({ onclick }) => onclick);
     if (this.offered !== same) {
       this.offered = same;
-      fill(this.actions, ...actions.map(({ text }, k) => element("button", { type: "button", class: "link", onclick: () => this.onclick[k]() }, text)));
+      fill(this.parts.actions, ...actions.map(({ text }, k) => element("button", { type: "button", class: "link", onclick: () => this.onclick[k]() }, text)));
     }
-    if (["ready", "failed"].includes(state.status) && !state.isLate) this.speak(`${this.number.textContent} ${this.unit.textContent}. ${sentence}`);
+    if (["ready", "failed"].includes(state.status) && !state.isLate) this.speak(`${this.parts.number.textContent} ${this.parts.unit.textContent}. ${sentence}`);
   }
 
   // For screen readers: once it has not changed for a while.
   speak(text) {
     clearTimeout(this.speaking);
     this.speaking = setTimeout(() => {
-      if (this.spoken.textContent !== text) this.spoken.textContent = text;
+      if (this.parts.spoken.textContent !== text) this.parts.spoken.textContent = text;
     }, 400);
   }
 }

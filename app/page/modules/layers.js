@@ -1,13 +1,14 @@
 // What lies over each other in a map: colours, contours, borders of regimes.
-// A `ground` is {data, flat, range, x, y, clipId, edges}: what is drawn, its values row by row, the scale of
-// their colours, the axes on the screen, the name of the area that the layers keep within, and regimes
-// between its cells, or null.
+// A `ground` is {data, flat, range, x, y}: what is drawn, its values row by row, the scale of their colours, and the axes
+// on the screen.
 
 import { FRAME } from "./axes.js";
-import { ringsAround } from "./borders.js";
 import { drawn } from "./elements.js";
 import { bandOf } from "./colours.js";
 
+const { blur2, contours } = /** @type {any} */ (window).d3;
+
+const BLUR = 2; // cells: borders lose their steps
 const FEW = 50; // values of an axis, for lines that move
 
 // The colours of the values, in the dots of the screen: between values as straight lines go, so that the steps of
@@ -55,7 +56,6 @@ export function thinned(ground) {
   const { regime } = data;
   return {
     ...ground,
-    edges: null, // they are of all values
     flat: some,
     data: {
       ...data,
@@ -71,11 +71,11 @@ function placesAmong(count) {
   return Array.from({ length: few }, (_, k) => Math.round((k * (count - 1)) / Math.max(1, few - 1)));
 }
 
-export function clipDrawn(clipId, width, height) {
+export function clipDrawn(width, height) {
   const { left, right, top, bottom } = FRAME;
   return drawn(
     "clipPath",
-    { id: clipId },
+    { id: "inside" },
     drawn("rect", {
       x: left + 1,
       y: top + 1,
@@ -86,29 +86,28 @@ export function clipDrawn(clipId, width, height) {
 }
 
 // Lines over what does not describe a real part, so that its colours are not read as speeds.
-export function hatchDrawn({ data, x, y, clipId, edges }, regimes) {
+export function hatchDrawn({ data, x, y }, regimes) {
   const invalid = new Set(regimes.filter(({ valid }) => !valid).map(({ value }) => value));
-  const group = drawn("g", { class: "hatch", "clip-path": `url(#${clipId})` });
+  const group = drawn("g", { class: "hatch", "clip-path": "url(#inside)" });
   if (!invalid.size || !data.z.isJudged) return group; // such as a throw number, which always holds
-  const area = ringsAround(gridOf(data), (value) => invalid.has(value), edges);
-  const id = `${clipId}-hatch`;
+  const area = ringsAround(data, (value) => invalid.has(value));
   group.append(
     drawn(
       "pattern",
-      { id, width: 8, height: 8, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
+      { id: "hatched", width: 8, height: 8, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
       drawn("rect", { width: 8, height: 8, class: "haze" }),
       drawn("line", { x1: 0, y1: 0, x2: 0, y2: 8, class: "stripe" }),
     ),
-    drawn("path", { d: path(area, data, x, y), fill: `url(#${id})` }),
+    drawn("path", { d: path(area, data, x, y), fill: "url(#hatched)" }),
   );
   return group;
 }
 
 // Borders of the regimes of a list: of two neighbours one draws the line between them.
-export function bordersDrawn({ data, x, y, clipId, edges }, regimes) {
-  const group = drawn("g", { class: "borders", "clip-path": `url(#${clipId})` });
+export function bordersDrawn({ data, x, y }, regimes) {
+  const group = drawn("g", { class: "borders", "clip-path": "url(#inside)" });
   for (const { value } of regimes.slice(1)) {
-    const area = ringsAround(gridOf(data), (one) => one === value, edges);
+    const area = ringsAround(data, (one) => one === value);
     const d = path(area, data, x, y);
     // A pale line below it: it is seen on dark colours, too.
     group.append(drawn("path", { d, class: "halo" }), drawn("path", { d, class: "border" }));
@@ -116,8 +115,12 @@ export function bordersDrawn({ data, x, y, clipId, edges }, regimes) {
   return group;
 }
 
-function gridOf({ x, y, regime }) {
-  return { nx: x.values.length, ny: y.values.length, at: regime.at };
+// Rings around the cells whose regime is in, as polygons.
+export function ringsAround({ x, y, regime }, isIn) {
+  const [width, height] = [x.values.length, y.values.length];
+  const data = Float64Array.from({ length: width * height }, (_, k) => (isIn(regime.at(k % width, Math.floor(k / width))) ? 1 : 0));
+  blur2({ data, width, height }, BLUR);
+  return contours().size([width, height]).thresholds([0.5])(data)[0].coordinates;
 }
 
 function path(polygons, data, x, y) {

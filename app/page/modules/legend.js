@@ -1,10 +1,9 @@
 // What the colours of a picture mean: the scale of a quantity, and the regimes that occur.
 
-import { ticks } from "./axes.js";
 import { drawn, element } from "./elements.js";
-import { markerDrawn } from "./markers.js";
 import { capital, label, number, shown, words } from "./words.js";
 
+const { extent, ticks } = /** @type {any} */ (window).d3;
 const BAR = { width: 340, height: 15, left: 12, ticks: 4 };
 const SIGNED = new Set(["conveying_velocity", "drift_velocity"]);
 
@@ -40,23 +39,13 @@ export function scaleTold(range, { name, unit }, values) {
   const [factor] = shown(unit);
   const { low, high, step } = range;
   const svg = drawn("svg", { viewBox: "0 0 364 52", class: "scale-bar", "aria-hidden": "true" }, barDrawn(range, { name, unit }));
-  const [least, largest] = extremes(values);
+  const [least, largest] = extent(values, (value) => (Number.isFinite(value) ? value : NaN));
   const isCut = least < low - step || largest > high + step;
   const spoken = `${label(name, unit)} from ${number(low * factor)} to ${number(high * factor)}`;
   return [
     element("span", { role: "img", "aria-label": spoken }, svg),
     isCut ? element("small", {}, `beyond the ends: ${number(least * factor, 3)} to ${number(largest * factor, 3)}`) : null,
   ].filter(Boolean);
-}
-
-function extremes(values) {
-  let least = Infinity;
-  let largest = -Infinity;
-  for (const value of values) {
-    if (value < least && value > -Infinity) least = value;
-    if (value > largest && value < Infinity) largest = value;
-  }
-  return [least, largest];
 }
 
 // The regimes that occur in what is shown, the most frequent first: {value, name, share} and its look.
@@ -92,8 +81,8 @@ export function occurring({ regime, x, y }, look) {
 export function legendOf(found) {
   return found.map((one) => {
     const { name, share, meaning } = one;
-    const swatch = drawn("svg", { class: "swatch", viewBox: "-8 -8 16 16", "aria-hidden": "true" });
-    swatch.append(markerDrawn(one, 0, 0, 5, { class: "marker" }));
+    const swatch = element("i", { class: "swatch regime" });
+    swatch.style.background = one.colour;
     return element(
       "li",
       { title: meaning },
@@ -102,4 +91,13 @@ export function legendOf(found) {
       meaning ? element("small", {}, ` ${meaning}`) : null,
     );
   });
+}
+
+// In a map: regimes with the same word are one area.
+const SAID = { stick: "slides", slip: "slides", stick_slip: "slides", hopping: "hops", hop_after_hop: "hops", period_doubled: "hops", aperiodic: "hops" };
+
+// {said, colour, meaning, valid} of a regime of a scene by its name.
+export function lookOf(scene, name) {
+  const found = scene.regimes.find((one) => one.name === name);
+  return { said: SAID[name] ?? words(name), colour: found?.colour ?? "#888888", meaning: found?.description ?? "", valid: found?.valid ?? true };
 }

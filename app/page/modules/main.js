@@ -5,7 +5,7 @@ import { Aspects } from "./aspects.js";
 import { Away } from "./away.js";
 import { completeBest } from "./best.js";
 import { Catalogue } from "./catalogue.js";
-import { Source, bandAt, design, sineOf, valueOf } from "./computed.js";
+import { Source, bandAt, bandOver, design, sineOf, valueOf } from "./computed.js";
 import { Controls } from "./controls.js";
 import { courseOf, modeAt, MODES, platoonsAt } from "./course.js";
 import { Curves } from "./curves.js";
@@ -14,7 +14,6 @@ import { tellFigures, viewOf } from "./figures.js";
 import { Headline } from "./headline.js";
 import { Jobs } from "./jobs.js";
 import { tellDevices, tellValues } from "./lists.js";
-import { lookOf } from "./markers.js";
 import { mattersOf, mattersStudy, tellMatters } from "./matters.js";
 import { Measured, fitTold } from "./measured.js";
 import { tellMeaning } from "./meaning.js";
@@ -24,25 +23,24 @@ import { Optimum } from "./optimum.js";
 import { Panels } from "./panels.js";
 import { Picture, ringOf } from "./picture.js";
 import { LETTERS, Pins } from "./pins.js";
+import { tellMoves } from "./plate.js";
 import { Player } from "./player.js";
 import { QUESTIONS, begun } from "./questions.js";
-import { isSet, withSet } from "./sets.js";
+import { isSet, takes, withSet } from "./sets.js";
 import { Refusal, get } from "./service.js";
 import { tellSheet } from "./sheet.js";
-import { endsOf, nameOf } from "./slider.js";
 import { Stage } from "./stage.js";
 import { COARSE, Derived, Store, batch, effect, untracked } from "./store.js";
 import { STROKE, takesBoth } from "./stroke.js";
+import { Surface, surfaceStudy } from "./surface.js";
 import { designOf, fromLink, frozen, pictureOf, toLink, unusual } from "./view.js";
 import { Waves } from "./waves.js";
-import { capital, duration, learn, valuesTold, words } from "./words.js";
+import { capital, duration, learn, number, valuesTold, words } from "./words.js";
 
 // What of a view asks for other fields, or another picture.
 const OPENED_ANEW = ["kind", "scene", "choice", "set", "recording", "output", "x", "y", "band"];
-const SECTIONS = ["chips", "waves", "stage", "picture", "detail", "beside", "aspects", "matters", "measured", "resonance", "devices", "onward", "figures", "values", "optimum"];
-const TABS = { stage: "Part", picture: "Map", detail: "Time" };
+const TABS = ["stage", "picture", "detail"];
 const LISTED = new Set(["thesis", "all"]);
-const CALM = 300; // ms in which nothing is changed, before borders are looked for
 const HOP = 1e-9; // m: what is lower is rounding
 
 class Page {
@@ -89,21 +87,10 @@ class Page {
     const isCoarse = (view) => store.held.value !== null && view.kind === "simulate";
     this.map = derived((view) => pictureOf({ ...view, band: null }) + (isCoarse(view) ? COARSE : ""), (view, scene, how) => source.map(view, scene, how));
     const isDrawn = (view) => this.map.state.value.status === "ready" && this.map.state.value.of === pictureOf({ ...view, band: null });
-    this.bandMap = derived(
-      (view) => (store.held.value === null && isBanded(view) && (view.question === "uncertain" || !view.y) && view.question !== "drive" && isDrawn(view) ? pictureOf({ ...view, question: "uncertain" }) : null),
-      (view, _, how) => source.band(view, how),
-    );
+    this.bandLine = derived((view) => (store.held.value === null && isBanded(view) && !view.y && isDrawn(view) ? pictureOf({ ...view, question: "uncertain" }) : null), bandOver);
     this.others = derived(
       (view) => (view.pins?.length && !view.y && isDrawn(view) ? pictureOf({ ...view, band: null }) + JSON.stringify(view.pins) : null),
       (view, scene, how) => Promise.all(view.pins.map(async (pin, i) => ({ text: `design ${LETTERS[i]}`, found: await source.map({ ...view, values: { ...view.values, ...pin } }, scene, { signal: how.signal }) }))),
-    );
-    this.edges = derived(
-      (view) => (view.kind === "sweep" && view.y && store.held.value === null && isDrawn(view) ? pictureOf({ ...view, band: null }) : null),
-      async (view, _, how) => {
-        await new Promise((done) => setTimeout(done, CALM));
-        how.signal.throwIfAborted();
-        return source.between(view, this.map.state.peek().value, how);
-      },
     );
     this.matters = derived((view, scene) => (store.held.value === null && mattersStudy(view, scene) ? JSON.stringify(mattersStudy(view, scene)) : null), mattersOf);
     this.measured = new Measured(byId("measured"), (runs) => this.setView({ runs }));
@@ -138,23 +125,26 @@ class Page {
       const { view } = this;
       return { [view.x.name]: x, ...(view.y && y !== undefined && y !== null ? { [view.y.name]: y } : {}) };
     };
-    this.headline = new Headline(byId("answer"), byId("headline"));
+    this.headline = new Headline();
     this.jobs = new Jobs(byId("jobs"), (link) => {
       location.hash = link;
       byId("headline").focus();
     });
-    this.controls = new Controls(byId("controls"), byId("expert"), setView);
+    this.controls = new Controls(setView);
     this.picture = new Picture({
       onpick: (at) => move(point(at), { isOver: true }),
-      onpoint: () => {},
       ondrag: (at, how) => move(point(at), how),
     });
     this.stage = new Stage(byId("stage-host"), move);
-    this.panels = new Panels((time) => this.player.choose(time));
-    byId("panels-host").append(this.panels.svg);
-    this.player = new Player(byId("player"), (time, turns) => this.moment(time, turns));
+    this.panels = new Panels();
+    byId("panels-host").prepend(this.panels.svg);
+    this.player = new Player((time, turns) => this.moment(time, turns));
     new ResizeObserver(() => requestAnimationFrame(() => this.drawPanels())).observe(byId("panels-host"));
-    this.aspects = new Aspects(byId("aspects"), (output) => this.setView({ output }));
+    this.aspects = new Aspects(byId("aspects"), (name) => {
+      const { surface } = this.view;
+      this.setView(surface ? { surface: { ...surface, wanted: name } } : { output: `let_down_share_${name}` });
+    });
+    this.surface = new Surface((surface) => this.setView({ surface }));
     this.waves = new Waves(byId("waves"), setView);
     this.pins = new Pins(byId("pins"), { persist: (task) => this.notice.persist(task), onpins: (pins) => this.setView({ pins }), onshow: (values) => this.setView({ values: { ...this.view.values, ...values } }) });
     byId("keep").addEventListener("click", () => this.pins.pin(this.view));
@@ -169,8 +159,8 @@ class Page {
         pin: (designs) => this.pins.pin(this.view, designs),
       },
     );
-    this.away = new Away(byId("away"), {
-      study: (what) => (what === "best" ? this.optimum.study() : this.source.study(this.view)),
+    this.away = new Away({
+      study: (what) => (what === "best" ? this.optimum.study() : this.view.surface ? surfaceStudy(this.view) : this.source.study(this.view)),
       picture: () => (this.view.question === "drive" && this.optimum.front) || this.picture.drawing,
       told: () => ({ title: `${byId("headline").textContent} ${capital(words(this.view.output))}`, lines: [valuesTold(this.view, this.store.scene.value)], link: location.href }),
       tell: (job) => this.jobs.note(job, this.told(this.view)),
@@ -182,8 +172,17 @@ class Page {
     });
     byId("limits").addEventListener("click", () => {
       byId("expert").open = true;
-      this.optimum.wishes.addLimit();
+      document.getElementById("add-limit")?.click();
     });
+    for (const id of TABS) {
+      byId(`tab-${id}`).addEventListener("click", () => {
+        this.tab = id;
+        this.tabs();
+      });
+    }
+    const choice = byId("choose-question");
+    choice.addEventListener("change", () => this.ask(choice.value));
+    for (const one of byId("questions").querySelectorAll("button")) one.addEventListener("click", () => this.ask(one.id.replace("question-", "")));
   }
 
   get view() {
@@ -221,6 +220,8 @@ class Page {
     const band = this.band.state.value;
     const isBand = band.status === "ready" || band.isLate === false;
     const matters = this.matters.state.value.value;
+    const map = this.map.state.value;
+    const field = map.status === "ready" && map.value.field ? map.value : null;
     const waiting = this.notice.away.value;
     const { status, value } = this.sine.state.value;
     const sine = status === "ready" ? value : null;
@@ -229,13 +230,11 @@ class Page {
     if (fit && fit.status !== "none") {
       shown = fit;
       answer = fit.value ? fitTold(fit.value, scene) : null;
-    } else if (found) answer = answerTo({ view, scene, dataset: found.dataset, band: isBand ? band.value : null, matters, sine });
+    } else if (found) answer = answerTo({ view, scene, dataset: found.dataset, band: isBand ? band.value : null, matters, sine, field });
     if (view.question === "drive" && answer) answer = { ...answer, strip: null, unit: `${answer.unit}${this.optimum.gain(view, valueOf(found.dataset, view.output))}` };
     untracked(() => {
       this.headline.show(shown, answer, { odd: this.oddity(view, scene), actions: this.actionsFor(view, shown, fit, waiting), waiting });
-      const errors = [...(state.status === "failed" ? (state.errors ?? []) : [])];
-      if (errors.length) this.controls.complain(errors);
-      else if (state.status === "ready") this.controls.clear();
+      if (["failed", "ready"].includes(state.status)) this.controls.complain(state.errors ?? []);
     });
   }
 
@@ -248,6 +247,7 @@ class Page {
     }
     if (state.status === "asking") return [{ text: "Compute it", onclick: () => this.fit.again({ isAgreed: true }) }];
     if (state.status !== "failed") return [];
+    if (view.surface) return [{ text: "Show a plain shape", onclick: () => this.setView({ surface: null }) }];
     if (state.reason === "Cancelled.") return [{ text: "Compute", onclick: () => (fit ? this.fit : this.answer).again() }];
     return [this.isStepped ? { text: "Go back", onclick: () => history.back() } : { text: "Begin anew", onclick: () => this.ask(view.question) }];
   }
@@ -257,7 +257,7 @@ class Page {
     for (const [name, value] of Object.entries(view.values)) {
       const parameter = scene.parameters.find((one) => one.name === name);
       const told = parameter && unusual(parameter, value, view.begun?.[name]);
-      if (told) return `${nameOf(name)}: ${told.slice(0, 1).toLowerCase()}${told.slice(1)}`;
+      if (told) return `${capital(words(name))}: ${told.slice(0, 1).toLowerCase()}${told.slice(1)}`;
     }
     return "";
   }
@@ -265,7 +265,7 @@ class Page {
   renderMap(view) {
     const state = this.map.state.value;
     const waiting = this.notice.away.value;
-    const [band, others, edges] = [this.bandMap, this.others, this.edges].map((one) => one.state.value);
+    const [band, others] = [this.bandLine, this.others].map((one) => one.state.value);
     const answer = this.answer.state.value;
     untracked(() => {
       const isHeld = this.store.held.peek() !== null;
@@ -278,16 +278,11 @@ class Page {
       const isOf = state.status === "ready" && !isHeld;
       if (isOf && band.status === "ready" && this.extra !== band.value) {
         this.extra = band.value;
-        this.picture.showBand(state.value, band.value, view.band);
+        this.picture.showBand(state.value, band.value);
       }
-      if (band.status === "none") byId("beside").hidden = true;
       if (isOf && others.status === "ready" && this.extra !== others.value) {
         this.extra = others.value;
         this.picture.showOthers(state.value, others.value);
-      }
-      if (isOf && edges.status === "ready" && edges.value && this.extra !== edges.value) {
-        this.extra = edges.value;
-        this.picture.sharpen(state.value, edges.value);
       }
       this.tellMap(state, waiting, [band, others].some(({ status }) => status === "computing"));
       this.ring(answer.status === "ready" && !answer.isLate ? answer.value : null);
@@ -335,22 +330,19 @@ class Page {
       byId("detail").setAttribute("aria-busy", String(state.status === "computing"));
       for (const id of ["stage", "detail", "resonance"]) byId(id).classList.toggle("stale", state.isLate);
       const hop = valueOf(dataset, "hop_height");
-      const ends = Object.fromEntries(
-        ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "gamma", "amplitude_along_1", "amplitude_normal_1"]
-          .map((name) => scene.parameters.find((one) => one.name === name))
-          .filter((one) => one && one.name in view.values)
-          .map((one) => [one.name, endsOf(view, one)]),
-      );
       byId("stage").classList.toggle("row", Boolean(course?.row));
-      this.stage.show({ view, course, hop: hop > HOP ? hop : 0, ends });
+      this.stage.show({ view, course, hop: hop > HOP ? hop : 0, scene });
       byId("at-rest").textContent = course || !dataset ? "" : "This method gives means only: the part is drawn at rest.";
       this.player.show(course, state.isLate || (isHeld && !isOf));
       this.drawPanels();
+      byId("frame").classList.toggle("surfaced", Boolean(view.surface));
       this.controls.lift(isOf && view.kind === "simulate" ? valueOf(dataset, "throw_number") : null);
       if (view.question === "resting") {
         this.aspects.show(view, dataset, state.isLate);
+        this.surface.show(view);
         this.tellOnward(view, isOf ? valueOf(dataset, view.output) : null);
       }
+      if (view.question === "plate") tellMoves(byId("moves"), view, (values) => this.setView({ values: { ...this.view.values, ...values } }));
       if (LISTED.has(view.question)) tellValues(byId("values"), scene, dataset, state.isLate);
       if (view.question === "orienting") {
         tellDevices(byId("devices"), view, scene, { onadd: (name) => this.controls.add(name), onremove: (name) => this.controls.remove(name) });
@@ -394,7 +386,7 @@ class Page {
     this.panels.at(time);
     const mode = course.row ? null : MODES[modeAt(course, time + course.times[0])] ?? MODES.unknown;
     const told = course.row ? platoonsTold(platoonsAt(course, time + course.times[0])) : `The part ${mode[1] === "in the air" ? "is in the air" : mode[1]}`;
-    if (!this.player.isRunning || this.spoken !== told) this.panels.tell(told);
+    if (!this.player.isRunning || this.spoken !== told) byId("now").setAttribute("aria-valuetext", `${number(1000 * time, 3)} ms, ${told.slice(0, 1).toLowerCase()}${told.slice(1)}`); // not each frame
     this.spoken = told;
     byId("moment").textContent = course.row ? `${told}.` : "";
   }
@@ -410,7 +402,7 @@ class Page {
       if (this.curveOf !== state.value) {
         this.curveOf = state.value;
         const values = Array.from(state.value.x.values, (_, i) => state.value.z.at(i));
-        this.curve.show({ x: state.value.x, lines: [{ name: state.value.z.name, unit: state.value.z.unit, values }], regime: null, look: (name) => lookOf(scene, name) });
+        this.curve.show({ x: state.value.x, lines: [{ name: state.value.z.name, unit: state.value.z.unit, values }], regime: null });
       }
       const natural = answer.value ? valueOf(answer.value.dataset, "natural_frequency") : null;
       this.curve.mark([{ x: view.values.frequency, text: "the drive" }, ...(Number.isFinite(natural) ? [{ x: natural, text: "the springs", isLow: true }] : [])], "drive");
@@ -452,7 +444,8 @@ class Page {
     const isOwn = Object.keys(wanted.values ?? {}).length > 0;
     if (isOwn && begin.band && !wanted.band) begin.band = null; // a link says what is not known
     const values = { ...begin.values, ...wanted.values };
-    await this.open({ ...begin, ...wanted, values, question, scene: known ? wanted.scene : begin.scene }, { complaints, kept: Object.keys(wanted.values ?? {}) });
+    const named = new Set([...Object.keys(wanted), ...Object.keys(wanted.values ?? {})]);
+    await this.open({ ...begin, ...wanted, values, question, scene: known ? wanted.scene : begin.scene }, { complaints, named });
   }
 
   async openFigure(name, { complaints = [], isStep = true } = {}) {
@@ -477,11 +470,11 @@ class Page {
     if (!isSame || names(view) !== names(before)) {
       if ("kind" in patch || "scene" in patch) {
         view.set = before.set === STROKE ? STROKE : null;
-        view.runs = view.recording = null;
+        view.runs = view.recording = view.surface = null;
       }
       const isBand = isSame || OPENED_ANEW.every((name) => name === "band" || JSON.stringify(view[name]) === JSON.stringify(before[name]));
       const best = view.best && !isBand && !("best" in patch) ? { ...view.best, isFound: view.question === "drive" } : view.best;
-      return this.open({ ...view, best }, { isSwitching: true, isStep: true });
+      return this.open({ ...view, best }, { isSwitching: true, isStep: true, named: new Set(Object.keys(patch)) });
     }
     if (patch.best) view.best = completeBest(view, this.store.scene.peek()).best;
     this.put(view, held);
@@ -498,15 +491,19 @@ class Page {
     this.controls.follow(this.view);
   }
 
-  // Open a view with a picture of its own; `isStep` where going back undoes it. What an `isSwitching` user leaves
-  // behind needs no word; what is `kept`, by name, is somebody's.
-  async open(wanted, { complaints = [], isSwitching = false, isStep = false, kept = [] } = {}) {
+  // Open a view with a picture of its own; `isStep` where going back undoes it. What makes no sense is told of what a
+  // link or a change has `named`: else the question begins with it, or a user leaves it behind.
+  async open(wanted, { complaints = [], isSwitching = false, isStep = false, named = new Set() } = {}) {
     const opening = {};
     this.opening = opening;
     byId("picture").setAttribute("aria-busy", "true");
     const isLeft = () => this.opening !== opening;
     if (wanted.kind === "simulate" && !this.catalogue.scene(wanted.scene).methods.length) {
       wanted = { ...wanted, kind: "sweep", choice: "" }; // nothing is followed in time there
+    }
+    if (wanted.choice === "mesh") {
+      complaints.push("A link does not hold the file of a part: drop the file again.");
+      wanted = { ...wanted, choice: "" };
     }
     let scene;
     try {
@@ -522,12 +519,12 @@ class Page {
       complaints.push("A link does not hold the recording: choose its file again.");
       wanted = { ...wanted, set: "ellipse", x: undefined, y: undefined };
     }
-    const takes = (set) => isSet(set) && (set === STROKE ? takesBoth(scene) : wanted.kind !== "sweep");
-    if (wanted.set && !takes(wanted.set)) wanted = { ...wanted, set: null };
+    const isTaken = (set) => isSet(set) && (set === STROKE ? takesBoth(scene) : wanted.kind !== "sweep" && takes(scene, set));
+    if (wanted.set && !isTaken(wanted.set)) wanted = { ...wanted, set: null };
     scene = withSet(scene, wanted.set);
     learn(scene);
     const made = complete(wanted, scene);
-    complaints.push(...made.complaints, ...(isSwitching ? [] : made.foreign));
+    complaints.push(...made.complaints.filter(({ of }) => named.has(of)).map(({ text }) => text));
     const { view } = made;
     const figures = LISTED.has(view.question) ? await this.catalogue.figures() : null;
     if (isLeft()) return;
@@ -537,7 +534,7 @@ class Page {
       if (!isSwitching) complaints.push(...whole.complaints);
     }
     this.opening = null;
-    this.show(view, scene, { figures, isKept: kept.includes(view.x.name), isSwitching });
+    this.show(view, scene, { figures, isKept: named.has(view.x.name), isSwitching });
     this.keep({ isStep });
     this.notice.tell(complaints.slice(0, 1));
   }
@@ -546,14 +543,14 @@ class Page {
   show(view, scene, { figures, isKept, isSwitching }) {
     const before = this.view;
     const record = QUESTIONS[view.question];
-    if (before?.question !== view.question) this.place(record);
+    if (before?.question !== view.question) this.place(view.question);
     if (view.question !== "drive") this.optimum.leave();
     byId("wishes").hidden = view.question !== "drive";
     byId("limits").hidden = view.question !== "drive";
     this.tellQuestions(view.question);
-    this.headline.ask(record.title);
+    byId("headline").textContent = byId("choose-question").selectedOptions[0].text;
     this.drawn = null;
-    this.picture.begin(view, scene);
+    this.picture.begin(scene);
     byId("picture").classList.toggle("stale", Boolean(before));
     this.controls.show(view, this.catalogue.scenes, scene);
     if (view.question === "drive") this.optimum.show(view, scene, isKept || (isSwitching && this.optimum.isKept));
@@ -565,9 +562,10 @@ class Page {
     if (figures) tellFigures(byId("figures"), figures, view.figure, (one) => (one ? this.openFigure(one.name) : this.ask("all")));
     byId("stage").hidden = view.kind !== "simulate";
     byId("map-title").hidden = view.question === "drive";
-    byId("map-title").textContent = record.main.includes("picture") ? capital(words(view.output)) : view.question === "resting" ? "How would another size lie?" : "Where else could I be?";
+    byId("map-title").textContent = record.map ?? (record.main.includes("picture") ? capital(words(view.output)) : "Where else could I be?");
     tellMeaning(byId("meaning").lastElementChild, view, scene);
     document.querySelector("main").classList.remove("opening");
+    for (const id of ["keep", "take-away"]) byId(id).disabled = false;
     batch(() => {
       this.store.scene.value = scene;
       this.store.view.value = frozen(view);
@@ -576,33 +574,27 @@ class Page {
   }
 
   // The sections of a question, in its order.
-  place({ main, side }) {
+  place(question) {
+    const { main, side } = QUESTIONS[question];
+    byId("frame").dataset.question = question;
     const at = { main: byId("pictures"), side: byId("side-pictures") };
-    for (const id of SECTIONS) byId("pool").append(byId(id));
+    byId("pool").append(...at.main.children, ...at.side.children);
     at.main.append(...main.map(byId));
     at.side.append(...side.map(byId));
-    this.tab = [...main, ...side].find((id) => id in TABS);
+    this.tab = [...main, ...side].find((id) => TABS.includes(id));
     this.tabs();
   }
 
   // On a phone one picture at a time.
   tabs() {
-    const frame = byId("frame");
-    const there = Object.keys(TABS).filter((id) => !byId("pool").contains(byId(id)) && !byId(id).hidden);
+    const there = TABS.filter((id) => !byId("pool").contains(byId(id)) && !byId(id).hidden);
     const tab = there.includes(this.tab) ? this.tab : there[0];
-    frame.dataset.tab = tab ?? "";
-    const told = `${there.join()} ${tab}`;
-    if (this.tabsTold === told) return;
-    this.tabsTold = told;
-    fill(
-      byId("tabs"),
-      ...(there.length < 2 ? [] : there).map((id) =>
-        element("button", { type: "button", id: `tab-${id}`, "aria-pressed": String(id === tab), onclick: () => {
-          this.tab = id;
-          this.tabs();
-        } }, TABS[id]),
-      ),
-    );
+    byId("frame").dataset.tab = tab ?? "";
+    byId("tabs").hidden = there.length < 2;
+    for (const id of TABS) {
+      byId(`tab-${id}`).hidden = !there.includes(id);
+      byId(`tab-${id}`).setAttribute("aria-pressed", String(id === tab));
+    }
   }
 
   // Marks of pins and runs in the picture.
@@ -614,27 +606,9 @@ class Page {
   }
 
   tellQuestions(current) {
-    const nav = byId("questions");
-    const shown = current === "all" ? "thesis" : current;
-    if (!nav.childElementCount) {
-      const groups = new Map();
-      for (const [name, { group, nav: text }] of Object.entries(QUESTIONS)) {
-        if (!group) continue;
-        if (!groups.has(group)) groups.set(group, []);
-        groups.get(group).push([name, text]);
-      }
-      const choice = byId("choose-question");
-      choice.addEventListener("change", () => this.ask(choice.value));
-      for (const [group, list] of groups) {
-        nav.append(
-          element("h2", {}, group),
-          ...list.map(([name, text]) => element("button", { type: "button", id: `question-${name}`, onclick: () => this.ask(name) }, text)),
-        );
-        choice.append(element("optgroup", { label: group }, ...list.map(([name]) => element("option", { value: name }, QUESTIONS[name].title))));
-      }
-    }
-    for (const one of nav.querySelectorAll("button")) one.setAttribute("aria-current", String(one.id === `question-${shown}`));
-    byId("choose-question").value = shown;
+    const isShown = (one) => one.id === `question-${current === "all" ? "thesis" : current}`;
+    for (const one of byId("questions").querySelectorAll("button")) one.setAttribute("aria-current", String(isShown(one)));
+    byId("choose-question").value = current;
   }
 
   // The address restores the view, also where its picture takes long; a step is undone by going back.

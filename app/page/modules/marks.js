@@ -2,7 +2,6 @@
 
 import { FRAME } from "./axes.js";
 import { drawn } from "./elements.js";
-import { markerDrawn } from "./markers.js";
 
 const SMALL = 3.5; // px
 const GRIP = 22; // px around a point that is dragged
@@ -11,7 +10,7 @@ const GRIP = 22; // px around a point that is dragged
 export function markDrawn({ x, y, text, regime, isSmall, isDragged, isEnd, to }, map) {
   const cx = map.x.place(x);
   const cy = map.y.place(y);
-  if (isSmall) return markerDrawn(map.data.look(regime), cx, cy, SMALL, { class: "marker" });
+  if (isSmall) return drawn("circle", { cx, cy, r: SMALL, class: "marker", fill: map.data.look(regime).colour });
   const isRight = cx > map.size.width * 0.7;
   const isHigh = cy < 2 * FRAME.top + 14;
   // The flight from a design to a better one.

@@ -96,7 +96,7 @@ export function fitTold({ name, value, low, high, rms }, scene) {
   const [lower, upper] = [low, high].map((end) => withUnit(end, unit, 3));
   return {
     number: number(value * shown(unit)[0], 3),
-    unit: words(name).replace(" coefficient", ""),
+    unit: words(name),
     sentence: `${lower} to ${upper} with 95 %; the measured speeds differ from the curve by ${number(rms * shown(SPEED)[0], 2)} mm/s.`,
     strip: { low, high, value, unit },
   };

@@ -1,21 +1,37 @@
-// Names of regimes in a map: each in the middle of the widest place that its regime has.
+// Names of regimes in a map: each where its regime reaches farthest, in the middle.
 
 import { drawn } from "./elements.js";
 
-const LETTER = { wide: 7, tall: 20 }; // px, of a name
+const LETTER = { wide: 9, tall: 20 }; // px, of a name
 const RING = 10; // px, around a marked point
-const FITS = 0.5; // of the name's own size, from its middle to the next border
+const LEAST = 0.02; // of the map
 
 export function namesDrawn({ data, x, y }, regimes) {
   const group = drawn("g", { class: "names" });
   if (regimes.length < 2) return group;
-  const texts = new Map(regimes.map(({ value, said }) => [value, said]));
-  for (const [value, { room, i, j }] of widest({ data, x, y }, texts)) {
-    if (room < FITS) continue;
+  for (const { value, said, share } of regimes) {
+    if (share < LEAST) continue;
+    const { i, j, wide } = longestRun(data, value);
     const place = { x: x.place(data.x.values[i]), y: y.place(data.y.values[j]) + 4 };
-    group.append(drawn("text", { ...place, "text-anchor": "middle" }, texts.get(value)));
+    const room = (wide * Math.abs(x.place(x.last) - x.place(x.first))) / data.x.values.length;
+    if (room > LETTER.wide * said.length) group.append(drawn("text", { ...place, "text-anchor": "middle" }, said));
   }
   return group;
+}
+
+// The middle of the longest run of a regime along a row, of rows that are no nearer to the frame: {i, j, wide}.
+function longestRun({ x, y, regime }, value) {
+  let best = { i: 0, j: 0, wide: 0, rank: -Infinity };
+  const [nx, ny] = [x.values.length, y.values.length];
+  for (let j = 0; j < ny; j++) {
+    const aside = (Math.abs(j / ny - 0.5) * nx) / 2;
+    let run = 0;
+    for (let i = 0; i < nx; i++) {
+      run = regime.at(i, j) === value ? run + 1 : 0;
+      if (run && run - aside > best.rank) best = { i: i - Math.floor(run / 2), j, wide: run, rank: run - aside };
+    }
+  }
+  return best;
 }
 
 // A name that a ring, of [x, y], would stand on gives way to it, up or down.
@@ -28,39 +44,3 @@ export function giveWay(group, rings) {
     text.setAttribute("y", ring ? ring[1] + 4 + (ring[1] + 4 > y ? -room : room) : y);
   }
 }
-
-// The place of each regime with the most room around it: {room, i, j} by value.
-// Room is the way to the next border, sideways in widths of the name and up in its heights.
-function widest({ data, x, y }, texts) {
-  const nx = data.x.values.length;
-  const ny = data.y.values.length;
-  const values = new Int32Array(nx * ny);
-  for (let j = 0; j < ny; j++) for (let i = 0; i < nx; i++) values[j * nx + i] = data.regime.at(i, j);
-  const up = Math.abs(y.place(y.last) - y.place(y.first)) / Math.max(1, ny - 1) / LETTER.tall;
-  const wide = Math.abs(x.place(x.last) - x.place(x.first)) / Math.max(1, nx - 1) / LETTER.wide;
-  const across = new Map([...texts].map(([value, text]) => [value, wide / text.length]));
-  const room = new Float64Array(nx * ny).fill(Infinity);
-  const narrow = (i, j, di, dj) => {
-    const at = j * nx + i;
-    const isInside = i + di >= 0 && i + di < nx && j + dj >= 0 && j + dj < ny;
-    const next = at + dj * nx + di;
-    const beyond = isInside && values[next] === values[at] ? room[next] : 0;
-    const step = di && dj ? Math.max(up, across.get(values[at])) : di ? across.get(values[at]) : up;
-    room[at] = Math.min(room[at], isInside ? beyond + step : 0);
-  };
-  // Once from the first corner and once from the last one: each way there is made of such steps.
-  const found = new Map();
-  for (let j = 0; j < ny; j++) {
-    for (let i = 0; i < nx; i++) for (const [di, dj] of BEFORE) narrow(i, j, di, dj);
-  }
-  for (let j = ny - 1; j >= 0; j--) {
-    for (let i = nx - 1; i >= 0; i--) {
-      for (const [di, dj] of BEFORE) narrow(i, j, -di, -dj);
-      const at = j * nx + i;
-      if (room[at] > (found.get(values[at])?.room ?? 0)) found.set(values[at], { room: room[at], i, j });
-    }
-  }
-  return found;
-}
-
-const BEFORE = [[-1, 0], [-1, -1], [0, -1], [1, -1]];

@@ -1,7 +1,7 @@
 // What the page says at its top: what is wrong, and that it asks for a key; that the service is waited for is said
 // beside the number.
 
-import { element, fill } from "./elements.js";
+import { byId, element, fill } from "./elements.js";
 import { Away, Refusal, isPassing, key } from "./service.js";
 import { signal } from "./store.js";
 
@@ -13,8 +13,7 @@ const asksForKey = (error) => error.status === 401 || error.type.endsWith(":wron
 export class Notice {
   constructor(host) {
     this.host = host;
-    this.sentences = []; // of what is wrong
-    this.waiting = null; // what has to end before the page goes on
+    this.form = byId("key-form");
     this.away = signal(""); // why the service does not answer, while it does not
     this.retries = new Set(); // what asks it again at once
     this.asking = null; // promise that a key is given
@@ -22,17 +21,7 @@ export class Notice {
 
   // Say what is wrong; without sentences, that nothing is.
   tell(sentences = []) {
-    this.sentences = sentences;
-    this.show();
-  }
-
-  wait(waiting) {
-    this.waiting = waiting;
-    this.show();
-  }
-
-  show() {
-    fill(this.host, this.waiting, ...this.sentences.map((text) => element("p", {}, text)));
+    fill(this.host, ...sentences.map((text) => element("p", {}, text)));
   }
 
   // Ask until the service answers, and say so meanwhile.
@@ -69,10 +58,13 @@ export class Notice {
   }
 
   askForKey(error) {
+    const [said, , field] = this.form.children;
+    this.form.hidden = false;
+    said.textContent = key.get() ? error.message : "The service needs an access key: enter yours.";
+    field.value = "";
+    field.focus();
     return new Promise((done) => {
-      const field = element("input", { type: "password", id: "key", autocomplete: "off" });
-      const said = element("p", {}, key.get() ? error.message : "The service needs an access key: enter yours.");
-      const use = (event) => {
+      this.form.onsubmit = (event) => {
         event.preventDefault();
         const given = field.value.trim();
         if (!KEY.test(given)) {
@@ -81,20 +73,9 @@ export class Notice {
         }
         key.set(given);
         this.asking = null;
-        this.wait(null);
+        this.form.hidden = true;
         done();
       };
-      this.wait(
-        element(
-          "form",
-          { onsubmit: use },
-          said,
-          element("label", { for: "key" }, "Access key, stored until this tab is closed "),
-          field,
-          element("button", {}, "Use it"),
-        ),
-      );
-      field.focus();
     });
   }
 }

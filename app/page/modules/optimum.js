@@ -1,13 +1,13 @@
 // The best drive: chips of what may be meant by it, the flight of the design to it, and what holds it back.
 
-import { designsOf, isBent } from "./answer.js";
-import { bestStudy, variablesOf } from "./best.js";
+import { isBent } from "./answer.js";
+import { bestStudy, nearestTo, searched, variablesOf } from "./best.js";
 import { carryOut } from "./service.js";
 import { design, studyWith, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
+import { button } from "./fields.js";
 import { Front } from "./front.js";
 import { marginsTold, ratesTold, statusTold } from "./margin.js";
-import { nameOf } from "./slider.js";
 import { Derived, effect, untracked } from "./store.js";
 import { givenValues } from "./view.js";
 import { Wishes } from "./wishes.js";
@@ -50,6 +50,10 @@ function chipOf({ isRobust, limits }) {
   return withoutLevel(limits).length < limits.length ? "still" : "fastest";
 }
 
+function unitIn(scene, name) {
+  return [...scene.parameters, ...scene.outputs].find((one) => one.name === name)?.unit ?? "1";
+}
+
 export class Optimum {
   /**
    * `hosts` are {chips, told, wishes, front}; `setView(patch, how)` changes the view, `mark(marks, whose)` shows points in
@@ -66,41 +70,48 @@ export class Optimum {
     this.wishes = new Wishes(hosts.wishes, (best) => setView({ best }));
     this.before = null; // the design that was there first
     this.applied = null; // the search whose design was taken
-    const ofQuestion = (view) => view.question === "drive" && view.best;
-    const found = (chip) =>
+    const derived = (key, ask) =>
       new Derived(store, {
-        key: (view, scene) => {
-          if (!ofQuestion(view) || !view.best.isFound || !CHIPS[chip].fits(view, scene)) return null;
-          const isChosen = chipOf(view.best) === chip;
-          if (!isChosen && (this.chosen(view)?.value.status !== "ready" || view.best.kind !== "maximise")) return null;
-          return JSON.stringify(bestStudy({ ...view, best: CHIPS[chip].wish(view.best) }, scene));
-        },
-        ask: async (view, scene, how) => {
-          const wished = { ...view, best: CHIPS[chip].wish(view.best) };
-          const told = (job) => {
+        key: (view, scene) => (view.question === "drive" && view.best ? key(view, scene) : null),
+        ask: (view, scene, how) => {
+          const hear = (job) => {
             how.tell(job);
             tell(job, view);
           };
-          const { dataset } = await carryOut("optimise", bestStudy(wished, scene), { signal: how.signal, tell: told });
-          return designsOf(dataset, variablesOf(wished));
+          return ask(view, scene, { ...how, tell: hear });
         },
         persist,
       });
+    const wished = (view, chip) => ({ ...view, best: CHIPS[chip].wish(view.best) });
+    const found = (chip) =>
+      derived(
+        (view, scene) => {
+          if (!view.best.isFound || !CHIPS[chip].fits(view, scene)) return null;
+          if (chipOf(view.best) !== chip && (this.chosen(view)?.value.status !== "ready" || view.best.kind !== "maximise")) return null;
+          return JSON.stringify(bestStudy(wished(view, chip), scene));
+        },
+        (view, scene, how) => searched(wished(view, chip), scene, how),
+      );
     this.states = Object.fromEntries(Object.keys(CHIPS).map((chip) => [chip, found(chip)]));
-    this.first = new Derived(store, {
-      key: (view) => (ofQuestion(view) && this.before ? JSON.stringify([view.scene, view.choice, this.before]) : null),
-      ask: (view, scene, how) => design(view, scene, how, { values: this.before }),
-      persist,
-    });
-    this.around = new Derived(store, {
-      key: (view, scene) => (ofQuestion(view) && this.isShown(view) ? JSON.stringify(this.neighbours(view, scene)) : null),
-      ask: async (view, scene, { signal }) => {
+    this.first = derived(
+      (view) => (this.before ? JSON.stringify([view.scene, view.choice, this.before]) : null),
+      (view, scene, how) => design(view, scene, how, { values: this.before }),
+    );
+    this.around = derived(
+      (view, scene) => (this.isShown(view) ? JSON.stringify(this.neighbours(view, scene)) : null),
+      async (view, scene, { signal }) => {
         const { dataset } = await carryOut(view.kind, this.neighbours(view, scene), { signal });
         const values = [dataset.variables[view.output].data].flat(2).filter(Number.isFinite);
         return values.length ? Math.min(...values) : null;
       },
-      persist,
-    });
+    );
+    this.near = derived(
+      (view, scene) => {
+        const { status, value } = this.chosen(view)?.value ?? {};
+        return status === "ready" && value.length === 1 && value[0].status === "infeasible" ? JSON.stringify(bestStudy(view, scene)) : null;
+      },
+      nearestTo,
+    );
     effect(() => this.draw());
   }
 
@@ -160,17 +171,18 @@ export class Optimum {
     if (view?.question !== "drive" || !scene) return;
     const states = Object.entries(this.states).filter(([chip]) => CHIPS[chip].fits(view, scene));
     const all = states.map(([chip, { state }]) => [chip, state.value]);
-    const [first, around] = [this.first.state.value, this.around.state.value];
+    const [first, around, near] = [this.first, this.around, this.near].map(({ state }) => state.value);
     untracked(() => {
       this.wishes.follow(view);
       this.tellChips(view, scene, all);
       this.take(view);
-      this.tellBest(view, scene, first, around);
+      if (this.best(view)) this.tellBest(view, scene, first, around);
+      else this.tellNone(view, scene, near);
     });
   }
 
   tellChips(view, scene, all) {
-    const unit = scene.outputs.find(({ name }) => name === view.output)?.unit ?? "1";
+    const unit = unitIn(scene, view.output);
     const chosen = chipOf(view.best);
     const value = ({ status, value: found, job }) => {
       if (status === "computing") return job ? `${job.progress} %` : "searching";
@@ -184,26 +196,19 @@ export class Optimum {
       ...all.map(([chip, state]) =>
         element(
           "button",
-          { type: "button", class: "chip", id: `chip-${chip}`, "aria-pressed": String(chip === chosen), title: state.reason || null, onclick: () => this.choose(chip) },
+          { type: "button", class: "chip", id: `chip-${chip}`, "aria-pressed": String(chip === chosen), title: state.reason || null, onclick: () => this.search(CHIPS[chip].wish(this.store.view.value.best)) },
           element("b", {}, titleOf(chip, view)),
           ` ${value(state)}`,
         ),
       ),
-      view.best.isFound ? null : element("button", { type: "button", class: "chip", id: "find", onclick: () => this.find() }, element("b", {}, "Find the best")),
+      view.best.isFound ? null : element("button", { type: "button", class: "chip", id: "find", onclick: () => this.search(this.store.view.value.best) }, element("b", {}, "Find the best")),
     );
   }
 
-  choose(chip) {
+  search(best) {
     this.applied = null;
     this.isKept = false;
-    const { view } = this.store;
-    this.setView({ best: { ...CHIPS[chip].wish(view.value.best), isFound: true } });
-  }
-
-  find() {
-    this.applied = null;
-    this.isKept = false;
-    this.setView({ best: { ...this.store.view.value.best, isFound: true } });
+    this.setView({ best: { ...best, isFound: true } });
   }
 
   // Take the design that was found, once: the ring travels to it.
@@ -216,12 +221,11 @@ export class Optimum {
     if (all.length > 1) this.tellFront(view, all);
     else this.hosts.front.hidden = true;
     if (!best || this.isKept) return;
-    const moved = Object.fromEntries(Object.entries(best.at).filter(([name]) => name in view.values));
     queueMicrotask(() => {
       const { value: now } = this.store.view;
       if (now.question !== "drive" || this.chosen(now).value.of !== this.applied) return;
-      this.setView({ values: { ...now.values, ...moved } }, { isStep: false });
-      this.fly(now.values, moved);
+      this.go(best.at, { isStep: false });
+      this.fly(now.values, best.at);
     });
   }
 
@@ -242,20 +246,40 @@ export class Optimum {
     this.frame = requestAnimationFrame(step);
   }
 
+  // Why there is no best drive, the drives that come nearest, and what would make one.
+  tellNone(view, scene, near) {
+    this.mark(this.front ? (this.marks ?? []) : [], "best");
+    const { status, value, reason, errors } = this.chosen(view).value;
+    if (status === "failed") this.wishes.complain(errors ?? []);
+    const all = status === "ready" ? value : [];
+    if (this.front && all.length > 1) return;
+    const text = { ready: statusTold(all[0]?.status), failed: reason, computing: "Searching for the best drive." }[status] ?? "The values changed: search again.";
+    const told = (name, one) => withUnit(one, unitIn(scene, name), 3);
+    const line = (said, at) => element("li", {}, `${said} `, button("Show", () => this.go(at), { class: "link", "aria-label": `Show the drive: ${said}` }));
+    const choice = (at) => Object.entries(at).map(([name, one]) => `${words(name)} ${told(name, one)}`).join(", ");
+    const lists = {
+      "The nearest drives": near.value?.near.map(({ output, end, bound, at, value: one }) => line(`${capital(words(output))} ${told(output, one)}, where ${end === "lower" ? "at least" : "at most"} ${told(output, bound)} is asked, at ${choice(at)}.`, at)),
+      "What would do it?": near.value?.ways.map(({ name, at, value: one }) => line(`Another ${words(name)}, ${told(name, at[name])}, keeps all limits: ${words(view.output)} ${told(view.output, one)}, at ${choice(at)}.`, at)),
+    };
+    const there = near.status === "ready" ? Object.entries(lists).filter(([, lines]) => lines.length) : [];
+    fill(
+      this.hosts.told,
+      element("p", { role: "status" }, text, near.status === "computing" ? " Searching for the nearest drives." : ""),
+      ...there.flatMap(([title, lines]) => [element("h3", {}, title), element("ul", { class: "near" }, ...lines)]),
+      all.length && view.best.limits.length ? button("Search without the limits", () => this.setView({ best: { ...view.best, limits: [], isFound: true } })) : null,
+    );
+  }
+
+  // The values of a design that are fields of the view, taken by the view.
+  go(at, how) {
+    const { values } = this.store.view.value;
+    this.setView({ values: { ...values, ...Object.fromEntries(Object.entries(at).filter(([name]) => name in values)) } }, how);
+  }
+
   tellBest(view, scene, first, around) {
-    const state = this.chosen(view).value;
     const best = this.best(view);
     const { before } = this;
-    const unitOf = (name) => [...scene.parameters, ...scene.outputs].find((one) => one.name === name)?.unit ?? "1";
-    if (!best) {
-      const all = state.status === "ready" ? state.value : [];
-      const text = all.length > 1 ? "" : all.length ? statusTold(all[0].status) : state.status === "failed" ? state.reason : view.best.isFound ? "Searching for the best drive." : "The values changed: search again.";
-      if (state.status === "failed") this.wishes.complain(state.errors ?? []);
-      const relax = all.length === 1 && view.best.limits.length ? element("button", { type: "button", onclick: () => this.setView({ best: { ...view.best, limits: [], isFound: true } }) }, "Search without the limits") : null;
-      if (!this.front || all.length < 2) fill(this.hosts.told, element("p", { role: "status" }, text), relax);
-      this.mark(this.front ? this.marks ?? [] : [], "best");
-      return;
-    }
+    const unitOf = (name) => unitIn(scene, name);
     const mark = (values, text) => ({ x: values[view.x.name], y: view.y ? values[view.y.name] : null, text });
     const valueBefore = first.status === "ready" ? valueOf(first.value.dataset, view.output) : null;
     const told = (value, unit) => (Number.isFinite(value) ? number(value * shown(unit)[0], 3) : "–");
@@ -267,11 +291,11 @@ export class Optimum {
     const names = [...new Set([...Object.keys(best.at), ...["frequency"].filter((name) => name in view.values)])];
     const [outputs, values] = [TOLD.filter((name) => name in best.values || name === view.output), { ...view.values, ...best.at }];
     const rows = [
-      ...names.map((name) => [`${nameOf(name)}`, unitOf(name), before?.[name] ?? view.own?.[name], values[name]]),
+      ...names.map((name) => [capital(words(name)), unitOf(name), before?.[name] ?? view.own?.[name], values[name]]),
       ...outputs.map((name) => [capital(words(name)), unitOf(name), first.status === "ready" ? valueOf(first.value.dataset, name) : NaN, best.values[name]?.value]),
     ];
-    const held = [...best.ends.map(({ name }) => `${nameOf(name)} is at its bound of ${withUnit(best.at[name], unitOf(name), 3)}.`), ...marginsTold(best, scene)];
-    const [axis, other] = [view.x, view.y].map((one) => one && (ASIDE[unitOf(one.name)] ? `${ASIDE[unitOf(one.name)]}° of ${nameOf(one.name).toLowerCase()}` : `5 % less or more ${words(one.name)}`));
+    const held = [...best.ends.map(({ name }) => `${capital(words(name))} is at its bound of ${withUnit(best.at[name], unitOf(name), 3)}.`), ...marginsTold(best, scene)];
+    const [axis, other] = [view.x, view.y].map((one) => one && (ASIDE[unitOf(one.name)] ? `${ASIDE[unitOf(one.name)]}° of ${words(one.name)}` : `5 % less or more ${words(one.name)}`));
     if (around.status === "ready" && Number.isFinite(around.value)) held.push(`With ${axis}${other ? `, or ${other}` : ""}, at least ${withUnit(around.value, unitOf(view.output), 3)} remain.`);
     const angles = before && [view.x, view.y].filter(Boolean).map(({ name }) => withUnit(before[name], unitOf(name), 3)).join(", ");
     fill(
@@ -288,9 +312,9 @@ export class Optimum {
       element(
         "div",
         { class: "buttons" },
-        before && isAt ? element("button", { type: "button", id: "back", onclick: () => this.setView({ values: { ...view.values, ...before } }) }, `Go back to ${angles}`) : null,
-        isAt ? null : element("button", { type: "button", id: "show-best", onclick: () => this.setView({ values: { ...view.values, ...Object.fromEntries(Object.entries(best.at).filter(([name]) => name in view.values)) } }) }, "Show the best"),
-        before ? element("button", { type: "button", id: "compare", onclick: () => this.pin([{ ...view.values, ...before }, { ...view.values, ...best.at }]) }, "Compare both") : null,
+        before && isAt ? button(`Go back to ${angles}`, () => this.go(before), { id: "back" }) : null,
+        isAt ? null : button("Show the best", () => this.go(best.at), { id: "show-best" }),
+        before ? button("Compare both", () => this.pin([{ ...view.values, ...before }, { ...view.values, ...best.at }]), { id: "compare" }) : null,
       ),
     );
   }
@@ -308,10 +332,9 @@ export class Optimum {
     const { scene } = this;
     const { against } = view.best;
     const names = variablesOf(view);
-    const units = (name) => scene.parameters.find((one) => one.name === name)?.unit ?? "1";
+    const units = (name) => unitIn(scene, name);
     const host = element("div", {});
     const bent = isBent(designs, view.output, against);
-    const take = (index) => this.setView({ values: { ...this.store.view.value.values, ...Object.fromEntries(Object.entries(designs[index].at).filter(([name]) => name in view.values)) } });
     const look = (index) => {
       if (this.front.at === index) return;
       this.front.highlight(index);
@@ -321,8 +344,8 @@ export class Optimum {
     };
     this.hosts.front.hidden = false;
     fill(this.hosts.front, element("h3", {}, "The trade-off"), element("p", { class: "pale" }, `${designs.length} drives: no other drive is better in both outputs. A click or Enter shows one.`), host);
-    this.front = new Front(host, { onpoint: look, onpick: take });
-    this.front.show(designs, { output: view.output, against, scene, names, units, isBent: bent });
+    this.front = new Front(host, { onpoint: look, onpick: (index) => this.go(designs[index].at) });
+    this.front.show({ designs, output: view.output, against, scene, names, units, isBent: bent });
     look(Math.max(0, designs.findIndex(({ isKnee }) => isKnee)));
   }
 }

@@ -1,30 +1,25 @@
 // The picture of a view: a map or lines over the parameters of its axes, with the design as its ring.
 
 import { Curves } from "./curves.js";
-import { scaleOf } from "./colours.js";
 import { byId, element, fill } from "./elements.js";
-import { legendOf, occurring } from "./legend.js";
+import { legendOf, lookOf, occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
-import { lookOf } from "./markers.js";
-import { Overlay } from "./overlay.js";
 import { pictureOf } from "./view.js";
 import { capital, number, withUnit, words } from "./words.js";
 
 export class Picture {
-  // `onpick(point)` hears of a point that is chosen, `ondrag(point, {isOver})` of the ring that is dragged,
-  // `onpoint(point)` of the cursor.
-  constructor({ onpick, onpoint, ondrag }) {
-    this.options = { onpick, onpoint, ondrag };
+  // `onpick(point)` hears of a point that is chosen, `ondrag(point, {isOver})` of the ring that is dragged.
+  constructor({ onpick, ondrag }) {
+    this.options = { onpick, ondrag };
     /** @type {any} */
     this.drawing = null; // a map or lines
     this.marks = {}; // by who sets them
-    this.overlay = new Overlay(byId("stale"));
+    this.reason = element("p", { role: "status" });
   }
 
   // Begin anew: what was drawn is of another view.
-  begin(view, scene) {
-    this.view = view;
-    this.scene = scene;
+  begin(scene) {
+    this.look = (name) => lookOf(scene, name);
     this.kind = null;
     this.marks = {};
     this.measured = null;
@@ -36,55 +31,38 @@ export class Picture {
     byId("host").dataset.view = pictureOf(view);
     const kind = found.y ? "map" : "curves";
     if (this.kind !== kind) {
-      const options = { ...this.options, hint: "", title: words(view.output) };
+      const options = { ...this.options, title: words(view.output) };
       this.drawing = kind === "map" ? new HeatMap(byId("host"), options) : new Curves(byId("host"), options);
       this.kind = kind;
       for (const [whose, marks] of Object.entries(this.marks)) this.mark(marks, whose);
       this.drawing.points?.(this.measured);
     }
-    const look = (name) => lookOf(this.scene, name);
-    this.found = found;
+    const { look } = this;
     if (kind === "map") this.drawing.show({ ...found, look }, { isMoving, isRough });
     else {
       this.lines = [{ name: found.z.name, unit: found.z.unit, values: Array.from(found.x.values, (_, i) => found.z.at(i)) }];
       this.drawing.show({ x: found.x, lines: this.lines, regime: found.regime, look });
     }
-    this.tellRegimes(found, look);
-  }
-
-  // What lies between the cells of a map that is shown.
-  sharpen(found, edges) {
-    this.drawing?.sharpen?.(found.regime, edges);
+    this.tellRegimes(found);
   }
 
   // Whether what is drawn is of the view; else it is dimmed, and why is said over it, with {text, onclick} of what
-  // one can do.
+  // one can do. A button that is there already stays, and keeps the focus.
   dim(isStale, reason = "", action = null) {
     byId("picture").classList.toggle("stale", isStale);
-    if (reason) this.overlay.say(reason, action);
-    else this.overlay.clear();
+    this.onclick = action?.onclick;
+    this.reason.textContent = reason;
+    const offered = reason ? `${action?.text}` : "";
+    if (this.offered === offered) return;
+    this.offered = offered;
+    const button = action && element("button", { type: "button", onclick: () => this.onclick() }, action.text);
+    fill(byId("stale"), reason ? this.reason : null, reason ? button : null);
   }
 
-  // What is not known exactly: a band about each line, or maps of the least value and of the range, in the
-  // colours of the picture.
-  showBand(found, { x, y, z, low, high }, { name, share }) {
-    const told = `${words(name)} known within ${number(100 * share)} %`;
-    const host = byId("beside");
-    host.hidden = !found.y;
-    if (found.y) {
-      const spread = (i, j) => high(i, j) - low(i, j);
-      const values = [low, spread].flatMap((at) => Array.from(y.values, (_, j) => Array.from(x.values, (__, i) => at(i, j))).flat());
-      const range = scaleOf([...this.drawing.flat, ...values]);
-      const hosts = [element("div", {}), element("div", {})];
-      fill(host, element("h3", {}, `The least value, ${told}`), hosts[0], element("h3", {}, "From the least to the largest, in the same colours"), hosts[1]);
-      [low, spread].forEach((at, i) => {
-        new HeatMap(hosts[i], { title: i ? "Range" : "Least value", isSmall: true }).show({ x, y, z: { ...z, at }, regime: null, look: () => ({}) }, { range });
-      });
-      return;
-    }
-    const along = (at) => Array.from(found.x.values, (_, i) => at(i));
-    this.lines = [{ ...found.z, values: along(found.z.at), low: along(low), high: along(high) }];
-    this.drawing.show({ x: found.x, lines: this.lines, regime: found.regime, look: (one) => lookOf(this.scene, one) });
+  // The band of a line, {low, high}, or null.
+  showBand(found, band) {
+    this.lines = [{ ...this.lines[0], ...band }];
+    this.drawing.show({ x: found.x, lines: this.lines, regime: found.regime, look: this.look });
   }
 
   // Lines of other designs over the same axis, of {text, found}.
@@ -92,13 +70,13 @@ export class Picture {
     if (found.y || !others.length) return;
     const along = (one) => Array.from(one.x.values, (_, i) => one.z.at(i));
     const lines = others.map((one) => ({ ...one.found.z, label: one.text, values: along(one.found) }));
-    this.drawing.show({ x: found.x, lines: [...this.lines, ...lines], regime: found.regime, look: (one) => lookOf(this.scene, one) });
+    this.drawing.show({ x: found.x, lines: [...this.lines, ...lines], regime: found.regime, look: this.look });
   }
 
   // Points to be marked, of {x, y, text}, by whoever sets them.
   mark(marks, whose) {
     this.marks[whose] = marks;
-    this.drawing?.mark?.(marks, whose);
+    this.drawing?.mark(marks, whose);
   }
 
   // Points that were measured, of [value of the axis, value of the output], or null.
@@ -107,16 +85,9 @@ export class Picture {
     this.drawing?.points?.(points);
   }
 
-  // How far values lie apart along the axes.
-  steps() {
-    const apart = (axis, values) => (values?.length > 1 ? Math.abs(values[1] - values[0]) : axis && (axis.to - axis.from) / 100);
-    const { x, y } = this.drawing?.data ?? {};
-    return { x: apart(this.view.x, x?.values), y: apart(this.view.y, y?.values) };
-  }
-
   // Shares of the regimes under Expert; under the picture what of it describes no real part.
-  tellRegimes(found, look) {
-    const all = occurring(found, look);
+  tellRegimes(found) {
+    const all = occurring(found, this.look);
     fill(byId("regimes"), ...legendOf(all));
     const beyond = all.filter(({ valid }) => !valid);
     const share = beyond.reduce((sum, one) => sum + one.share, 0);

@@ -2,6 +2,7 @@
 
 import { design, flagOf, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
+import { button } from "./fields.js";
 import { Refusal } from "./service.js";
 import { MAX_PINS, givenValues } from "./view.js";
 import { capital, label, number, shown, words } from "./words.js";
@@ -53,52 +54,28 @@ export class Pins {
   }
 
   draw(view, scene, designs, found) {
-    const last = designs.length - 1;
-    const head = designs.map((values, i) =>
+    const row = (head, texts) => element("tr", {}, element("th", { scope: "row" }, head), ...texts.map((text) => element("td", {}, text)));
+    const numbers = (name, unit, values) => row(label(name, unit), values.map((value) => (Number.isFinite(value) ? number(value * shown(unit)[0]) : "-")));
+    const kept = (view.pins ?? []).map((values, i) =>
       element(
         "th",
         { scope: "col" },
-        i === last ? "Here" : LETTERS[i],
-        i === last ? null : element("button", { type: "button", "aria-label": `Show design ${LETTERS[i]}`, onclick: () => this.onshow(values) }, "Show"),
-        i === last
-          ? null
-          : element(
-              "button",
-              { type: "button", "aria-label": `Remove design ${LETTERS[i]}`, onclick: () => this.onpins(view.pins.filter((_, k) => k !== i)) },
-              "Remove",
-            ),
+        LETTERS[i],
+        button("Show", () => this.onshow(values), { "aria-label": `Show design ${LETTERS[i]}` }),
+        button("Remove", () => this.onpins(view.pins.filter((_, k) => k !== i)), { "aria-label": `Remove design ${LETTERS[i]}` }),
       ),
     );
-    const row = (name, unit, values) => {
-      const [factor] = shown(unit);
-      const told = values.map((value) => (Number.isFinite(value) ? number(value * factor) : "-"));
-      return element("tr", {}, element("th", { scope: "row" }, label(name, unit)), ...told.map((text) => element("td", {}, text)));
-    };
     const differs = ({ name }) => new Set(designs.map((values) => values[name])).size > 1;
     const outputs = scene.outputs.filter(({ name }) => TOLD.includes(name) || name === view.output);
     fill(
-      this.host,
-      element("h2", {}, "Designs side by side"),
+      this.host.lastElementChild,
+      element("thead", {}, element("tr", {}, element("td"), ...kept, element("th", { scope: "col" }, "Here"))),
       element(
-        "div",
-        { class: "wide" },
-        element(
-          "table",
-          { class: "compared" },
-          element("thead", {}, element("tr", {}, element("td", {}), ...head)),
-          element(
-            "tbody",
-            {},
-            ...outputs.map(({ name, unit }) => row(name, unit, found.map((one) => valueOf(one?.dataset, name) ?? NaN))),
-            element(
-              "tr",
-              {},
-              element("th", { scope: "row" }, "What it does"),
-              ...found.map((one) => element("td", {}, one ? capital(words(flagOf(one.dataset))) : "Not computed")),
-            ),
-            ...scene.parameters.filter(differs).map(({ name, unit }) => row(name, unit, designs.map((values) => values[name]))),
-          ),
-        ),
+        "tbody",
+        {},
+        ...outputs.map(({ name, unit }) => numbers(name, unit, found.map((one) => valueOf(one?.dataset, name)))),
+        row("What it does", found.map((one) => (one ? capital(words(flagOf(one.dataset))) : "Not computed"))),
+        ...scene.parameters.filter(differs).map(({ name, unit }) => numbers(name, unit, designs.map((values) => values[name]))),
       ),
     );
   }

@@ -1,22 +1,14 @@
-// The moment of a motion that is shown: it plays, is paused, or is chosen.
+// The moment of a motion that is shown: it plays, is paused, or is chosen on a slider.
 
 import { cycleOf } from "./course.js";
-import { element, fill } from "./elements.js";
-
-const SLOWNESS = [10, 30, 100, 300];
+import { byId } from "./elements.js";
+import { number } from "./words.js";
 
 export class Player {
   // `onmoment(time, turns)` hears of each moment: the time within a cycle, and the cycles before it.
-  constructor(host, onmoment) {
-    this.host = host;
+  constructor(onmoment) {
     this.onmoment = onmoment;
-    this.play = element("button", { type: "button", id: "play", onclick: () => this.toggle() }, "Pause");
-    this.slow = element(
-      "select",
-      { id: "slow", "aria-label": "Slowed down" },
-      ...SLOWNESS.map((times) => element("option", { value: times }, `${times} times slower`)),
-    );
-    this.slow.value = "30";
+    this.parts = Object.fromEntries(["player", "now", "now-told", "play", "slow"].map((id) => [id, byId(id)]));
     this.course = null;
     this.time = 0;
     this.turns = 0;
@@ -25,7 +17,8 @@ export class Player {
     this.last = null; // when it was drawn last, while it plays
     this.awaitsFrame = false;
     document.addEventListener("visibilitychange", () => this.awake());
-    fill(host, this.play, this.slow);
+    this.parts.play.addEventListener("click", () => this.toggle());
+    this.parts.now.addEventListener("input", () => this.course && this.choose((Number(this.parts.now.value) / 100) * cycleOf(this.course)));
   }
 
   show(course, isHalted) {
@@ -35,28 +28,35 @@ export class Player {
       this.course = course;
       this.time = course ? share * cycleOf(course) : 0;
     }
-    this.host.hidden = !course;
-    this.play.textContent = this.isRunning ? "Pause" : "Play";
-    if (course) this.onmoment(this.time, this.turns);
+    this.parts.player.hidden = !course;
+    if (course) this.tell();
     this.awake();
+  }
+
+  tell() {
+    const cycle = cycleOf(this.course);
+    this.parts.now.value = String((100 * this.time) / cycle);
+    this.parts.now.style.setProperty("--at", `${(100 * this.time) / cycle}%`);
+    this.parts["now-told"].textContent = `${number(1000 * this.time, 2)} of ${number(1000 * cycle, 3)} ms`;
+    this.onmoment(this.time, this.turns);
   }
 
   toggle() {
     this.isRunning = !this.isRunning;
-    this.play.textContent = this.isRunning ? "Pause" : "Play";
     this.awake();
   }
 
   // A moment of the cycle was chosen.
   choose(time) {
-    if (!this.course) return;
-    if (this.isRunning) this.toggle();
-    this.time = Math.max(0, Math.min(time, 0.9999 * cycleOf(this.course)));
-    this.onmoment(this.time, this.turns);
+    this.isRunning = false;
+    this.awake();
+    this.time = Math.min(time, 0.9999 * cycleOf(this.course));
+    this.tell();
   }
 
   // Frames are asked for only while it plays and is seen: else the page rests.
   awake() {
+    this.parts.play.textContent = this.isRunning ? "Pause" : "Play";
     if (this.awaitsFrame || !this.plays()) return;
     this.awaitsFrame = true;
     requestAnimationFrame((now) => this.tick(now));
@@ -70,11 +70,11 @@ export class Player {
     this.awaitsFrame = false;
     if (this.plays() && this.last !== null) {
       const cycle = cycleOf(this.course);
-      const next = this.time + (now - this.last) / 1000 / Number(this.slow.value);
+      const next = this.time + (now - this.last) / 1000 / Number(this.parts.slow.value);
       const turns = Math.floor(next / cycle);
       this.time = next - turns * cycle;
       this.turns += turns;
-      this.onmoment(this.time, this.turns);
+      this.tell();
     }
     this.last = this.plays() ? now : null;
     this.awake();

@@ -1,5 +1,5 @@
-// The questions that the page answers. A question is a record: its words, the view that it begins with, what
-// is shown of it, and the parameters that have a slider on the first screen.
+// The questions that the page answers. A question is a record: the view that it begins with, what is shown of it, and
+// the parameters that have a slider on the first screen. Its words are in index.html.
 
 import { usualBest } from "./criterion.js";
 
@@ -9,39 +9,29 @@ const DRIVE = ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "frequ
 
 /**
  * @typedef {object} Question
- * @property {string} group of the navigation
- * @property {string} nav its words there
- * @property {string} title
  * @property {any} begin
  * @property {string[]} main sections under the answer
  * @property {string[]} side sections beside it
  * @property {string[]} sliders
+ * @property {string} [map] title of the map
+ * @property {string} [choice] name of its variants, where they stand on the first screen
  */
 
 /** @type {Record<string, any>} */
 export const QUESTIONS = {
   speed: {
-    group: "My part",
-    nav: "How fast does it travel?",
-    title: "How fast does my part travel?",
     begin: { ...MOTION, ...KNOWN },
     main: ["stage"],
     side: ["picture", "detail"],
     sliders: DRIVE,
   },
   hop: {
-    group: "My part",
-    nav: "Does it hop?",
-    title: "Does my part hop?",
     begin: { ...MOTION, output: "hop_height" },
     main: ["stage"],
     side: ["picture", "detail"],
     sliders: DRIVE,
   },
   resting: {
-    group: "My part",
-    nav: "Which way up will it lie?",
-    title: "Which way up will it lie?",
     begin: {
       kind: "sweep",
       scene: "resting-part",
@@ -51,32 +41,25 @@ export const QUESTIONS = {
       y: { name: "height", from: 0.004, to: 0.03 },
       values: { length: 0.03, width: 0.02, height: 0.01 },
     },
+    map: "How would another size lie?",
     main: ["aspects"],
-    side: ["picture", "onward"],
+    side: ["surface", "picture", "onward"],
     sliders: ["length", "width", "height", "diameter", "small_diameter"],
+    choice: "Shape",
   },
   drive: {
-    group: "My drive",
-    nav: "Which drive is best?",
-    title: "Which drive is best?",
     begin: { ...MOTION, ...KNOWN, best: { ...usualBest(), isFound: true } },
     main: ["chips", "picture"],
     side: ["stage", "optimum"],
     sliders: [],
   },
   waves: {
-    group: "My drive",
-    nav: "What if it is not a sine?",
-    title: "My drive is not a sine: how do parts travel?",
     begin: { ...MOTION, set: "ellipse" },
     main: ["waves", "stage"],
     side: ["picture", "detail"],
     sliders: [],
   },
   springs: {
-    group: "My drive",
-    nav: "What will my springs give?",
-    title: "What amplitude will my springs give?",
     begin: {
       kind: "sweep",
       scene: "linear-drive-unit",
@@ -91,18 +74,12 @@ export const QUESTIONS = {
     sliders: ["frequency", "load_mass", "ring_down_frequency", "spring_count"],
   },
   uncertain: {
-    group: "How sure is it?",
-    nav: "What if friction is uncertain?",
-    title: "What if friction is uncertain?",
     begin: { ...MOTION, ...KNOWN },
     main: ["matters", "stage"],
-    side: ["picture", "beside"],
+    side: ["picture"],
     sliders: ["friction", "amplitude", "peak_to_peak", "beta"],
   },
   measured: {
-    group: "How sure is it?",
-    nav: "What did I measure?",
-    title: "What did I measure?",
     begin: {
       ...MOTION,
       x: { name: "amplitude", from: 0.00005, to: 0.0004 },
@@ -115,9 +92,6 @@ export const QUESTIONS = {
     sliders: ["friction", "beta", "frequency"],
   },
   rows: {
-    group: "My line",
-    nav: "How do rows of parts move?",
-    title: "How do rows of parts move?",
     begin: {
       kind: "simulate",
       scene: "row-on-plane",
@@ -132,9 +106,6 @@ export const QUESTIONS = {
     sliders: DRIVE,
   },
   orienting: {
-    group: "My line",
-    nav: "What leaves my line?",
-    title: "What leaves my line?",
     begin: {
       kind: "sweep",
       scene: "orienting-line",
@@ -147,20 +118,22 @@ export const QUESTIONS = {
     main: ["devices"],
     side: ["picture"],
     sliders: ["arrival_rate", "wiper_height_1", "height"],
+    choice: "Shape",
+  },
+  plate: {
+    begin: { kind: "simulate", scene: "part-on-plate", output: "travel_speed", set: "plate", ...KNOWN },
+    map: "The plate from above",
+    main: ["moves", "picture"],
+    side: ["stage", "detail"],
+    sliders: ["frequency", "amplitude_along_1", "amplitude_across_1", "amplitude_normal_1", "phase_normal_1", "amplitude_tilt_x_1", "phase_tilt_x_1", "amplitude_tilt_y_1", "phase_tilt_y_1"],
   },
   thesis: {
-    group: "Reference",
-    nav: "Thesis and every output",
-    title: "What do the figures of the thesis show?",
     begin: MOTION,
     main: ["figures", "picture"],
     side: ["values"],
     sliders: [],
   },
   all: {
-    group: "",
-    nav: "",
-    title: "Every output",
     begin: { kind: "sweep", scene: "rectangle-on-plane", output: "acceleration_x" },
     main: ["figures", "picture"],
     side: ["values"],

@@ -8,7 +8,10 @@ const SHARE = { unit: "1", lower: 0, usual: [0.5, 10] };
 const FRICTION = { unit: "1", lower: 0, usual: [0.05, 0.6] };
 const OF_SINE = ["amplitude", "peak_to_peak", "alpha", "beta"];
 
-// By name: a title, what it stands for, its parameters with what they begin as, and the axes.
+const PLACE = { unit: "m", usual: [-0.12, 0.12] };
+const TURN = { unit: "degree", lower: 0, usual: [0, 0.05], begin: 0 };
+
+// By name: a title, what it stands for, its parameters with what they begin as, the axes, and the system that has it.
 export const SETS = {
   stroke: {
     title: "A sine, by its stroke from peak to peak",
@@ -57,7 +60,31 @@ export const SETS = {
     x: "drive_factor",
     y: "friction",
   },
+  plate: {
+    title: "A plate that circles, bounces and tilts",
+    of: "part-on-plate",
+    instead: OF_SINE,
+    parameters: {
+      amplitude_along_1: { ...LENGTH, label: "Amplitude along x", begin: 0.0001, usual: [0, 0.0003] },
+      phase_along_1: { ...ANGLE, label: "Phase along x", begin: 90 },
+      amplitude_across_1: { ...LENGTH, label: "Amplitude along y", begin: 0.0001, usual: [0, 0.0003] },
+      phase_across_1: { ...ANGLE, label: "Phase along y", begin: 0 },
+      amplitude_normal_1: { ...LENGTH, label: "Bounce", begin: 0.00004, usual: [0, 0.0001] },
+      phase_normal_1: { ...ANGLE, label: "Phase of the bounce", begin: -17 },
+      amplitude_tilt_x_1: { ...TURN, label: "Tilt about x" },
+      phase_tilt_x_1: { ...ANGLE, label: "Phase of the tilt about x", begin: 119 },
+      amplitude_tilt_y_1: { ...TURN, label: "Tilt about y" },
+      phase_tilt_y_1: { ...ANGLE, label: "Phase of the tilt about y", begin: 29 },
+      amplitude_yaw_1: { ...TURN, label: "Turn about the vertical" },
+      phase_yaw_1: { ...ANGLE, label: "Phase of the turn about the vertical", begin: 0 },
+      position_x: { ...PLACE, label: "Place along x", begin: 0.06 },
+      position_y: { ...PLACE, label: "Place along y", begin: 0.03 },
+    },
+    x: "position_x",
+    y: "position_y",
+  },
   row: {
+    of: "row-on-plane",
     title: "Four parts of unequal friction",
     instead: ["parts", "friction", "friction_static", "friction_kinetic"],
     parameters: Object.fromEntries(
@@ -68,6 +95,12 @@ export const SETS = {
     ),
   },
 };
+
+// Whether a system, as the service describes it, takes a set.
+export function takes({ name, other_drives: others }, set) {
+  const { of } = SETS[set];
+  return of ? name === of : Boolean(others);
+}
 
 export function isSet(name) {
   return Object.hasOwn(SETS, name);

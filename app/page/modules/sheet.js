@@ -4,7 +4,6 @@ import { flagOf, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { liftOff } from "./answers.js";
 import { partOf } from "./parts.js";
-import { nameOf } from "./slider.js";
 import { toLink } from "./view.js";
 import { capital, number, withUnit, words } from "./words.js";
 
@@ -12,11 +11,12 @@ export function tellSheet(host, { view, scene, dataset, version }) {
   const unitOf = (name) => scene.parameters.find((one) => one.name === name)?.unit ?? "1";
   const row = (name, value) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, value));
   const rows = [row("System", scene.title)];
+  if (view.surface) rows.push(row("Part", view.surface.name));
   if (view.kind === "simulate") rows.push(row("Part", partOf(view).title));
   if (view.pair) rows.push(row("Materials", view.pair));
-  for (const { name, unit } of scene.parameters.filter(({ name }) => name in view.values && (name === "gamma" || view.own?.[name] !== view.values[name]))) {
+  for (const { name, unit } of scene.parameters.filter(({ name }) => !view.surface && name in view.values && (name === "gamma" || view.own?.[name] !== view.values[name]))) {
     const band = view.band?.name === name ? ` (${[1 - view.band.share, 1 + view.band.share].map((one) => number(view.values[name] * one, 2)).join(" to ")})` : "";
-    rows.push(row(nameOf(name), withUnit(view.values[name], unit) + band));
+    rows.push(row(capital(words(name)), withUnit(view.values[name], unit) + band));
   }
   const throwNumber = valueOf(dataset, "throw_number");
   const drive = ["amplitude", "peak_to_peak"].find((name) => name in view.values);

@@ -6,12 +6,6 @@ import { numberInput } from "./fields.js";
 import { unusual, usual } from "./view.js";
 import { capital, number, shown, withUnit, words } from "./words.js";
 
-const NAMES = { beta: "Angle of vibration", gamma: "Climb of the track", friction: "Friction", load_mass: "Load", ring_down_frequency: "Springs tuned to", arrival_rate: "Arriving", wiper_height_1: "Wiper" };
-
-export function nameOf(name) {
-  return NAMES[name] ?? capital(words(name));
-}
-
 // The ends of the slider of a parameter: those of the map's axis, else the usual ones; and the value itself.
 export function endsOf(view, parameter) {
   const axis = [view.x, view.y].find((one) => one?.name === parameter.name);
@@ -26,7 +20,7 @@ export function sliderField(view, parameter, { onmove, ontake, onremove = null }
   const { name, unit, description } = parameter;
   const [factor, unitShown] = shown(unit);
   const id = `value-${name}`;
-  const text = nameOf(name);
+  const text = capital(words(name));
   let current = view.values[name];
   let range;
   let isMoved = false; // and not yet let go
@@ -81,7 +75,7 @@ export function sliderField(view, parameter, { onmove, ontake, onremove = null }
     if (lift.hidden) return;
     const share = (at - range.from) / (range.to - range.from);
     lift.style.setProperty("--at", `${100 * share}%`);
-    lift.classList.toggle("ended", share > 0.6);
+    lift.style.setProperty("--shift", `${100 * Math.max(0, Math.min(1, 2 * share - 0.5))}%`); // away from the ends
     lift.textContent = `hops above ${number(at * factor, 2)}`;
   };
   const field = element(
@@ -106,7 +100,7 @@ export function rangeField(axis, parameter, ontake) {
   const range = places(Math.min(low, axis.from), Math.max(high, axis.to));
   const at = (value) => Math.round(((value - range.from) / (range.to - range.from)) * (range.num - 1));
   const ends = [axis.from, axis.to];
-  const text = nameOf(name);
+  const text = capital(words(name));
   const taken = (k, value) => {
     const next = [...ends];
     next[k] = value;

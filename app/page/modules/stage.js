@@ -1,9 +1,10 @@
 // The part on its track, to scale, its movement enlarged; the line of vibration and the slope of the track are
 // handles that are dragged, or moved by keys.
 
-import { MODES, PARTS as INKS, between, cycleOf, platoonsAt } from "./course.js";
+import { MODES, PARTS as INKS, between, cycleOf, platoonsAt, stretches } from "./course.js";
 import { drawn, fill } from "./elements.js";
 import { partDrawn, partOf } from "./parts.js";
+import { endsOf } from "./slider.js";
 import { number, withUnit } from "./words.js";
 
 const ENLARGED = [1, 2, 3, 5, 8, 10, 20];
@@ -11,8 +12,6 @@ const RADIANS = Math.PI / 180;
 const DOTS = 14; // along the path, at equal times
 const TRACK = 22; // px
 const STEEP = 45; // degrees, as far as the track is drawn tilted
-
-/** @typedef {{x: number, y: number}} Place */
 
 export class Stage {
   // `onmove(values, {isOver})` hears of values that a handle is moved to.
@@ -25,8 +24,8 @@ export class Stage {
     this.enlarged = 0;
     this.time = 0;
     this.turns = 0;
-    // Of the drawing, in px: where floor, vibration and part are, and px a metre of part and of movement.
-    [this.floor, this.pivot, this.across, this.scale, this.moved, this.wide, this.tall] = [0, 0, 0, 1, 1, 0, 0];
+    // Of the drawing, in px: where floor, vibration and part are, px a metre of movement, and the size of the part.
+    [this.floor, this.pivot, this.across, this.moved, this.wide, this.tall] = [0, 0, 0, 1, 0, 0];
     /** @type {any} */
     this.part = null;
     fill(host, this.svg);
@@ -50,32 +49,27 @@ export class Stage {
     made.addEventListener("pointerdown", (event) => {
       made.setPointerCapture(event.pointerId);
       made.focus({ preventScroll: true });
-      this.dragged = { before: { ...this.shown.view.values }, move: drag };
+      this.dragged = this.shown.view.values; // as they were before
       made.classList.add("held");
       event.preventDefault();
     });
     made.addEventListener("pointermove", (event) => made.hasPointerCapture(event.pointerId) && this.dragged && drag(event));
-    const leave = () => {
+    const leave = (values) => {
       if (!this.dragged) return;
       this.dragged = null;
       made.classList.remove("held");
-      this.onmove({}, { isOver: true });
+      this.onmove(values, { isOver: true });
       this.redraw();
     };
-    made.addEventListener("pointerup", leave);
-    made.addEventListener("pointercancel", leave);
+    for (const name of ["pointerup", "pointercancel"]) made.addEventListener(name, () => leave({}));
     made.addEventListener("keydown", (event) => {
-      if (event.key === "Escape" && this.dragged) {
-        const { before } = this.dragged;
-        this.dragged = null;
-        made.classList.remove("held");
-        this.onmove(before, { isOver: true });
-      } else if (press(event.key, event.shiftKey ? 10 : 1)) event.preventDefault();
+      if (event.key === "Escape" && this.dragged) leave(this.dragged);
+      else if (press(event.key, event.shiftKey ? 10 : 1)) event.preventDefault();
     });
     return made;
   }
 
-  // `shown` is {view, course, hop, ends, isAtRest}: `ends` {name: [low, high]} of what is dragged.
+  // `shown` is {view, scene, course, hop}.
   show(shown) {
     this.shown = shown;
     this.redraw();
@@ -99,7 +93,7 @@ export class Stage {
     const isNarrow = width < 430;
     const part = partOf(view);
     const wide = course?.row ? 0.11 * width : Math.min(0.27 * width, (0.36 * height * part.length) / part.height);
-    const scale = course?.row ? (1000 * wide) / (1000 * (course.row.length || 0.01)) : (1000 * wide) / part.length; // px a metre
+    const scale = course?.row ? wide / (course.row.length || 0.01) : (1000 * wide) / part.length; // px a metre
     const amplitude = this.amplitude();
     const reach = amplitude ?? Math.max(1e-9, ...(course?.trackAlong ?? [0]).map(Math.abs), ...(course?.trackNormal ?? [0]).map(Math.abs));
     const travel = course && !course.row ? Math.abs(course.along.at(-1) - course.along[0]) : 0;
@@ -111,7 +105,6 @@ export class Stage {
     this.part = part;
     this.wide = wide * (course?.row ? 0.92 : 1);
     this.tall = course?.row ? 0.5 * wide : (wide * part.height) / part.length;
-    this.scale = scale;
     this.moved = scale * this.enlarged;
     this.floor = Math.round(0.69 * height);
     this.pivot = 0.16 * width;
@@ -197,18 +190,9 @@ export class Stage {
         drawn("text", { x: (from + to) / 2, y: top - 8, "text-anchor": "middle" }, `${withUnit(along.at(-1) - start, course.unit, 2)} a cycle${this.size.width < 430 ? "" : ` (${number(1000 * cycleOf(course), 3)} ms)`}`),
       );
     }
-    let from = 0;
-    const [runs, halos] = [[], []];
-    for (let i = 1; i <= along.length; i++) {
-      if (i < along.length && modes[i] === modes[from]) continue;
-      const points = [];
-      for (let k = from; k <= Math.min(i, along.length - 1); k++) points.push(this.at(along[k] - start, height[k]).map((one) => one.toFixed(1)).join(","));
-      const [look] = MODES[modes[from]] ?? MODES.unknown;
-      halos.push(drawn("polyline", { points: points.join(" "), class: "halo" }));
-      runs.push(drawn("polyline", { points: points.join(" "), class: `run ${look}` }));
-      from = i;
-    }
-    made.push(...halos, ...runs);
+    const points = along.map((one, k) => this.at(one - start, height[k]).map((place) => place.toFixed(1)).join(","));
+    const runs = stretches(modes).map(([from, to]) => drawn("polyline", { points: points.slice(from, to + 1).join(" "), class: `run ${(MODES[modes[from]] ?? MODES.unknown)[0]}` }));
+    made.push(drawn("polyline", { points: points.join(" "), class: "halo" }), ...runs);
     for (let k = 0; k <= DOTS; k++) {
       const i = Math.min(times.length - 1, Math.round((k / DOTS) * (times.length - 1)));
       const [cx, cy] = this.at(along[i] - start, height[i]);
@@ -337,18 +321,23 @@ export class Stage {
     });
   }
 
-  // Where the pointer is, from the pivot, on axes along the track and off it, in m of the drive.
-  under(event) {
+  // Where the pointer is, in px from the middle of the floor.
+  pointed(event) {
     const box = this.svg.getBoundingClientRect();
     const ratio = this.size.width / box.width;
+    return [(event.clientX - box.left) * ratio - this.size.width / 2, this.floor - (event.clientY - box.top) * ratio];
+  }
+
+  // Where the pointer is, from the pivot, on axes along the track and off it, in m of the drive.
+  under(event) {
     const tilt = Math.max(-STEEP, Math.min(STEEP, this.shown.view.values.gamma ?? 0)) * RADIANS;
-    const [x, y] = [(event.clientX - box.left) * ratio - this.size.width / 2, this.floor - (event.clientY - box.top) * ratio];
+    const [x, y] = this.pointed(event);
     const [along, off] = [x * Math.cos(tilt) + y * Math.sin(tilt), -x * Math.sin(tilt) + y * Math.cos(tilt)];
     return [(along + this.size.width / 2 - this.pivot) / this.moved, off / this.moved];
   }
 
   limited(name, value) {
-    const [low, high] = this.shown.ends[name] ?? [-Infinity, Infinity];
+    const [low, high] = endsOf(this.shown.view, this.shown.scene.parameters.find((one) => one.name === name));
     const digit = name === "beta" || name === "gamma" ? 0.5 : 5e-6;
     return Number(Math.max(low, Math.min(high, Math.round(value / digit) * digit)).toPrecision(6));
   }
@@ -387,9 +376,7 @@ export class Stage {
   }
 
   dragSlope(event) {
-    const box = this.svg.getBoundingClientRect();
-    const ratio = this.size.width / box.width;
-    const [x, y] = [(event.clientX - box.left) * ratio - this.size.width / 2, this.floor - (event.clientY - box.top) * ratio];
+    const [x, y] = this.pointed(event);
     this.onmove({ gamma: this.limited("gamma", Math.atan2(y, x) / RADIANS) }, { isOver: false });
   }
 

@@ -35,6 +35,7 @@ const KINDS = ["simulate", "sweep"];
  * @property {number[][]} [runs] of [value across, measured speed]
  * @property {Record<string, number>[]} [pins] designs
  * @property {{name: string, drive: object}} [recording] of a drive, which is in no link
+ * @property {{name: string, place: number, part: object, wanted?: string}} [surface] of a part from a file, which is in no link
  * @property {string} [figure] of the thesis
  * @property {any} [best] as `criterion.js` has it
  */
@@ -54,7 +55,8 @@ export function pictureOf({ kind, scene, choice, set, recording, output, x, y, v
 }
 
 // What a design does, as text: two views with the same have the same answer.
-export function designOf({ kind, scene, choice, set, recording, output, values, band }) {
+export function designOf({ kind, scene, choice, set, recording, surface, output, values, band }) {
+  if (surface) return `file ${surface.place}`;
   return pictureOf({ kind, scene, choice, set, recording, output, x: { name: "" }, y: null, values, band, question: "uncertain" });
 }
 
@@ -96,58 +98,47 @@ export function fromLink(hash) {
   }
   const query = new URLSearchParams(text);
   const wanted = { values: Object.create(null) }; // names may be any, also __proto__
-  const one = (name, known) => {
+  const names = { question: Object.keys(QUESTIONS), set: Object.keys(SETS), kind: KINDS, scene: null, choice: null, output: null, figure: null, part: null, pair: null };
+  for (const [name, known] of Object.entries(names)) {
     const value = query.get(name);
-    if (value === null) return;
+    if (value === null) continue;
     if (known && !known.includes(value)) complaints.push(`The link names an unknown ${name}: the default is used.`);
     else wanted[name] = value;
-  };
-  one("question", Object.keys(QUESTIONS));
-  one("set", Object.keys(SETS));
-  one("kind", KINDS);
-  one("scene");
-  one("choice");
-  one("output");
-  one("figure");
-  one("part");
-  one("pair");
-  for (const place of ["x", "y"]) {
-    const given = query.get(place);
-    if (given === null) continue;
-    if (given === "" && place === "y") {
-      wanted.y = null;
-      continue;
-    }
-    const [name, from, to] = given.split(":");
-    const ends = [Number(from), Number(to)];
-    if (ends.every(Number.isFinite) && ends[0] < ends[1] && from !== "" && to !== "") {
-      wanted[place] = { name, from: ends[0], to: ends[1] };
-    } else complaints.push(`The link gives the ${place} axis no valid range: the default axis is used.`);
   }
+  // What stands there, as `read` makes it; what it makes nothing of is told.
+  const take = (name, read, told) => {
+    const given = query.get(name);
+    if (given === null) return;
+    const found = read(given);
+    if (found === undefined) complaints.push(`The link gives ${told}: the default is used.`);
+    else wanted[name] = found;
+  };
+  for (const place of ["x", "y"]) {
+    const read = (given) => {
+      if (given === "" && place === "y") return null;
+      const [name, from, to] = given.split(":");
+      return isNumber(from) && isNumber(to) && Number(from) < Number(to) ? { name, from: Number(from), to: Number(to) } : undefined;
+    };
+    take(place, read, `the ${place} axis no valid range`);
+  }
+  take("band", (given) => {
+    const [name, share] = given.split(":");
+    return Number(share) > 0 && Number(share) < 1 ? { name, share: Number(share) } : undefined;
+  }, "an uncertainty that is not between 0 and 1");
+  take("runs", (given) => {
+    const runs = given.split(",").slice(0, MAX_RUNS).map((run) => run.split(":"));
+    return runs.length > 1 && runs.every((run) => run.length === 2 && run.every(isNumber)) ? runs.map((run) => run.map(Number)) : undefined;
+  }, "measured runs that are not pairs of numbers");
   for (const [name, value] of query) {
     if (!name.startsWith("p.")) continue;
-    const numeric = Number(value);
-    if (value !== "" && Number.isFinite(numeric)) wanted.values[name.slice(2)] = numeric;
+    if (isNumber(value)) wanted.values[name.slice(2)] = Number(value);
     else complaints.push("The link gives a parameter a value that is not a number: the default is used.");
-  }
-  const band = query.get("band");
-  if (band !== null) {
-    const [name, share] = band.split(":");
-    if (Number(share) > 0 && Number(share) < 1) wanted.band = { name, share: Number(share) };
-    else complaints.push("The link gives an uncertainty that is not between 0 and 1: the uncertainty is ignored.");
   }
   // Links of before had the values of the axes as a point.
   const point = query.get("point")?.split(":") ?? [];
   ["x", "y"].forEach((place, i) => {
-    const value = Number(point[i] || NaN);
-    if (wanted[place] && Number.isFinite(value)) wanted.values[wanted[place].name] ??= value;
+    if (wanted[place] && isNumber(point[i])) wanted.values[wanted[place].name] ??= Number(point[i]);
   });
-  const runs = query.get("runs");
-  if (runs !== null) {
-    const read = runs.split(",").slice(0, MAX_RUNS).map((run) => run.split(":").map((part) => (part === "" ? NaN : Number(part))));
-    if (read.length > 1 && read.every((run) => run.length === 2 && run.every(Number.isFinite))) wanted.runs = read;
-    else complaints.push("The link gives measured runs that are not pairs of numbers: the runs are ignored.");
-  }
   const pins = query.getAll("pin").slice(0, MAX_PINS).map(pinOf);
   if (pins.includes(null)) complaints.push("The link holds a pinned design without valid numbers: the design is left out.");
   if (pins.length) wanted.pins = pins.filter((pin) => pin !== null);
@@ -156,12 +147,16 @@ export function fromLink(hash) {
   return { wanted, complaints: [...new Set(complaints)] };
 }
 
+function isNumber(text) {
+  return Boolean(text) && Number.isFinite(Number(text));
+}
+
 // A pinned design: its values by name, which may be any.
 function pinOf(text) {
   const pin = Object.create(null);
   for (const part of text.split(",")) {
     const [name, value] = part.split(":");
-    if (!name || !value || !Number.isFinite(Number(value))) return null;
+    if (!name || !isNumber(value)) return null;
     pin[name] = Number(value);
   }
   return pin;

@@ -45,6 +45,8 @@ export function withUnit(value, unit, digits = 4) {
 }
 
 const LABELS = new Map();
+// What a shop calls them.
+const NAMES = { beta: "Angle of vibration", gamma: "Climb of the track", friction: "Friction", load_mass: "Load", ring_down_frequency: "Springs tuned to", arrival_rate: "Arriving", wiper_height_1: "Wiper" };
 const SHARES = /share|_fraction$|^yield|^purity|^efficiency$/; // told in per cent
 
 // Note what the service calls its quantities. A drive unit weighs kilograms, a part grams.
@@ -52,7 +54,7 @@ export function learn(scene) {
   UNITS.kg = /drive-unit$/.test(scene.name) ? [1, "kg"] : [1e3, "g"];
   for (const output of scene.outputs) if (output.unit === "1" && SHARES.test(output.name)) output.unit = "share";
   for (const { name, label: text } of [...scene.parameters, ...scene.outputs]) {
-    if (text) LABELS.set(name, text);
+    if (text) LABELS.set(name, NAMES[name] ?? text);
   }
 }
 

@@ -1,9 +1,14 @@
 // Colours change only as much as values do, in steps at round values, both signs on one scale.
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
+import { runInThisContext } from "node:vm";
 
-import { bandOf, scaleOf } from "../../../app/page/modules/colours.js";
+const file = new URL("../../../app/page/vendor/d3-array.min.js", import.meta.url);
+runInThisContext(readFileSync(file, "utf8"));
+globalThis.window = globalThis;
+const { bandOf, scaleOf } = await import("../../../app/page/modules/colours.js");
 
 const colourAt = (scale, value) => scale.bands[bandOf(scale, value)];
 const light = (colour) => colour.reduce((sum, part) => sum + part, 0);

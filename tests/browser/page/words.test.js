@@ -20,13 +20,13 @@ test("sentences of the service have the names and units of the page", () => {
   const told = words.sentence({ message: "gravity is -1 m s-2", fix: "It must be at least 0 m s-2" });
   assert.equal(told, "Gravity is -1 m/s². It must be at least 0 m/s².");
   const other = words.sentence({ message: "beta is 500 degree", fix: "It must be at most 90 degree." });
-  assert.equal(other, "Drive elevation is 500°. It must be at most 90°.");
+  assert.equal(other, "Angle of vibration is 500°. It must be at most 90°.");
 });
 
 test("the fixed values of a view in one line", () => {
   const view = { values: { beta: 20 }, choice: "thesis" };
   const scene = { parameters: [{ name: "beta", unit: "degree" }, { name: "alpha", unit: "degree" }] };
-  assert.equal(words.valuesTold(view, scene), "Drive elevation 20°, thesis");
+  assert.equal(words.valuesTold(view, scene), "Angle of vibration 20°, thesis");
 });
 
 test("durations", () => {

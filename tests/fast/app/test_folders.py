@@ -1,7 +1,5 @@
 """Where the service keeps what nobody has told it where to keep."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

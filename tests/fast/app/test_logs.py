@@ -1,7 +1,5 @@
 """The log: one JSON line for each request, an identifier for each, and nothing private."""
 
-from __future__ import annotations
-
 import io
 import json
 import logging

@@ -1,7 +1,5 @@
 """No wave beats the fastest one (docs/theory/best-drive.md), and one reaches it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

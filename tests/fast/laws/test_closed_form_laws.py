@@ -1,13 +1,10 @@
 """Laws that every closed form must obey: friction cone, symmetry, scaling, limits, two routes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
-from plans import make_plan
+from plans import quantities_at
 from vibrafeed.core.mechanics import travel
-from vibrafeed.core.plan.plan import Verdict, regimes_of
 from vibrafeed.core.quantities import REGIMES
 
 RANDOM = np.random.default_rng(20041)
@@ -36,15 +33,9 @@ TRACK = {
 
 def evaluate(scene: str, variant: str, outputs: list[str], points: dict, **changes) -> dict:
     """Return every quantity of the plan at the points, and the regime's numbers."""
-    points = {**points, **changes}
-    plan = make_plan(scene, variant, outputs, list(points))
-    known = {name: np.asarray(value) for name, value in {**plan.defaults, **points}.items()}
-    for equation in plan.equations:
-        known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
+    known = quantities_at(scene, variant, outputs, {**points, **changes})
     if "in_plane_drive_y" in known:
         known["drive"] = np.hypot(known["in_plane_drive_x"], known["in_plane_drive_y"])
-    whole = Verdict("regime", tuple(outputs), plan.conditions)
-    known |= {n: np.broadcast_to(v, (POINTS,)) for n, v in regimes_of([whole], known).items()}
     return known
 
 

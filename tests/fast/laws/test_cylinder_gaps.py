@@ -5,8 +5,6 @@ below the true one, and what their direction separates, by the support functions
 both ends enclose the distance, and share no code with what is tested.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Energy over a cycle: balances of any drive, closed answers, what it is for (theory 13.15)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -4,8 +4,6 @@ On the track under a sine by many cells of each sort; in every scene and under e
 repeats does so again, and what does not repeat does not.
 """  # noqa: E501
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

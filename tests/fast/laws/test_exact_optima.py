@@ -1,7 +1,5 @@
 """The exact optima against searches that know nothing of them, and the laws they must obey."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -3,8 +3,6 @@
 Those of waves are in `test_planar_means.py`, of derivatives in `test_motion_derivatives.py`.
 """
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

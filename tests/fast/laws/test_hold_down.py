@@ -1,7 +1,5 @@
 """A force that holds the part down: levels, rails, and three methods (theory 13.1)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

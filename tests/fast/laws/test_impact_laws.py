@@ -5,17 +5,14 @@ both bodies, velocities of both at the contact). A few dozen operations with a r
 1.1e-16 each stay below 1e-14 of it; the rest is for badly matched masses and arms.
 """
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np
 import pytest
 
 from night import count
-from plans import make_plan
+from plans import quantities_at
 from vibrafeed.core.mechanics import impact
-from vibrafeed.core.plan.plan import Verdict, regimes_of
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
 
@@ -29,15 +26,8 @@ LAWS = pytest.mark.parametrize("law", ["frictionless", "pfeiffer_glocker", "more
 
 def evaluate(scene: str, law: str, points: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return every quantity of a law at the points, and the regime's numbers."""
-    outputs, cells = SCENES[scene].outputs(law), len(points["mass_1"])
     given = {k: v for k, v in points.items() if law != "frictionless" or k != "friction"}
-    plan = make_plan(scene, law, outputs, list(given))
-    known = {name: np.asarray(value) for name, value in {**plan.defaults, **given}.items()}
-    for equation in plan.equations:
-        known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
-    found = regimes_of([Verdict("regime", tuple(outputs), plan.conditions)], known)
-    known["regime"] = np.broadcast_to(found["regime"], cells)
-    return known
+    return quantities_at(scene, law, SCENES[scene].outputs(law), given)
 
 
 def where(known: dict, *names: str) -> np.ndarray:

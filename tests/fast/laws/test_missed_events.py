@@ -1,7 +1,5 @@
 """No event is missed: where sums of sines pass a level, by eigenvalues and by a finer search."""
 
-from __future__ import annotations
-
 from types import FunctionType
 
 import numpy as np

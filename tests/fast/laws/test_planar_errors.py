@@ -3,8 +3,6 @@
 The velocities were computed to 20 digits by another program (tests/data/README.md).
 """
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Laws of planar motion that hold for every part, over random studies."""
 
-from __future__ import annotations
-
 import math
 import os
 

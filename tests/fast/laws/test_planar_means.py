@@ -3,8 +3,6 @@
 `VIBRAFEED_LAW_CELLS` raises the number of random cells.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

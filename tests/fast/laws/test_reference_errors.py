@@ -1,7 +1,5 @@
 """The reference's errors: no impact is missed, and no error is stated smaller than it is."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The reference method against exact solutions and worked values, to many digits."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

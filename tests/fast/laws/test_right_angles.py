@@ -1,7 +1,5 @@
 """Whole multiples of 90 degrees are exact: no part rolls, slips or flies for a rounded pi."""
 
-from __future__ import annotations
-
 import math
 import warnings
 

@@ -1,7 +1,5 @@
 """Exact motion in space: against the reference, and by laws (theory 13.13)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

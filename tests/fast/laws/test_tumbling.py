@@ -1,7 +1,5 @@
 """Laws and known values of tumbling: a part that strikes a plane, rocks and comes to rest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Exact motion under any drive: closed solutions, the laws that all motions keep, two kernels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -61,14 +59,6 @@ def test_far_above_friction_the_speed_is_a_weighted_median_of_the_tracks(normal,
         off.append(abs(abs(found) / (along * TURN * 50) - limit))
     assert off[0] < 2e-3
     assert off[0] > 1.9 * off[1] > 3.6 * off[2]
-
-
-def test_one_harmonic_is_the_plain_sine():
-    """A wave of one order in phase on both axes."""
-    beta, common = np.radians(25.0), {"friction": 0.35, "gamma": 2.0}
-    sine = velocity(**common, amplitude=4e-4, beta=25.0)
-    axes = {"amplitude_along_1": 4e-4 * np.cos(beta), "amplitude_normal_1": 4e-4 * np.sin(beta)}
-    assert velocity(**common, **axes) == pytest.approx(sine, rel=1e-12)
 
 
 # --- laws

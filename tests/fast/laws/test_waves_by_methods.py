@@ -4,8 +4,6 @@ Known values are those of two-level waves, of waves along and normal in phase, a
 weak friction; laws are symmetries, balances, and that the methods agree.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the command line shows: numbers, units, tables, the catalogue, help and completion."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,7 +1,5 @@
 """`vibrafeed convert`, as a user runs it."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`vibrafeed drive`, as a user runs it, and studies with a recording from file to dataset."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`run -o` by suffix, for every kind of study, and `export`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A command whose extra is not installed says how to install it, in one sentence."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

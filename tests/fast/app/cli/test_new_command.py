@@ -1,7 +1,5 @@
 """`vibrafeed new`, as a user runs it: answers in, a study out that runs."""
 
-from __future__ import annotations
-
 import inspect
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tables that the command line writes are read again as measured runs."""
 
-from __future__ import annotations
-
 import pandas
 import pytest
 import xarray

@@ -1,7 +1,5 @@
 """What the commands refuse: an exit code and a sentence, and no file is written or changed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """`vibrafeed report`, as a user runs it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

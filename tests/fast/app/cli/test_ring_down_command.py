@@ -1,7 +1,5 @@
 """`vibrafeed drive --ring-down`: natural frequency, damping ratio and moving mass of a knock."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 

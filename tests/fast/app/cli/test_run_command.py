@@ -1,7 +1,5 @@
 """`vibrafeed run`: studies in; results, messages and exit codes out."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Studies of any size from the command line: room, stopping, going on, object stores."""
 
-from __future__ import annotations
-
 import re
 import resource
 import shutil

@@ -1,7 +1,5 @@
 """`vibrafeed serve` says in one line why it does not start, and changes nothing then."""
 
-from __future__ import annotations
-
 import json
 import os
 import socket

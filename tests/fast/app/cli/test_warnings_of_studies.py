@@ -1,7 +1,5 @@
 """Warnings of studies on the command line: told as such, counted, and refused by --strict."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

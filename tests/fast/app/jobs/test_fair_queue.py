@@ -1,7 +1,5 @@
 """Whose turn it is on the workers, and what a server takes up."""
 
-from __future__ import annotations
-
 import asyncio
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Keys in the ledger: made, found, over, withdrawn; and the audit."""
 
-from __future__ import annotations
-
 import hashlib
 import time
 

@@ -1,7 +1,5 @@
 """The ledger in SQLite."""
 
-from __future__ import annotations
-
 import pytest
 
 from ledger_laws import *  # noqa: F403

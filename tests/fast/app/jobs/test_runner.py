@@ -1,7 +1,5 @@
 """What carries out work, with workers that do as they are told."""
 
-from __future__ import annotations
-
 import asyncio
 import errno
 import sqlite3

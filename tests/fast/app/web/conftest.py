@@ -1,7 +1,5 @@
 """A client of the service, and a sweep that it was posted; some files have their own client."""
 
-from __future__ import annotations
-
 import pytest
 from fastapi.testclient import TestClient
 

@@ -1,7 +1,5 @@
 """Results that are not what was written: none is served, each is computed again."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import shutil

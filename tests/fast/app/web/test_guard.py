@@ -1,7 +1,5 @@
 """Who is let in, what is refused, and what a hostile request meets."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import signal

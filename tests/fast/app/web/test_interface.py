@@ -1,7 +1,5 @@
 """The HTTP interface: documents, studies read, refused, converted, computed; and the page."""
 
-from __future__ import annotations
-
 import codecs
 import gzip
 import hashlib
@@ -29,7 +27,6 @@ from vibrafeed.core.intake import parse_study
 from vibrafeed.core.intake.forms import FORMS, REQUESTS, to_toml
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.quantities import MOTION_STATUSES
-from vibrafeed.core.quantities.pictures import INKS, colour_of
 from vibrafeed.core.scenes import SCENES
 
 ROOT = Path(__file__).parents[4]
@@ -392,22 +389,6 @@ def test_the_page_makes_no_markup_from_text_and_stays_small():
         assert not re.search(MARKUP, path.read_text()), path
     files = [path for path in PAGE.rglob("*") if path.suffix in (".js", ".css", ".html", ".svg")]
     assert sum(len(gzip.compress(path.read_bytes())) for path in files) < MOST
-
-
-def test_each_colour_of_a_regime_has_its_mark():
-    marks = (PAGE / "modules" / "markers.js").read_text()
-    motion = [
-        "stick",
-        "slip",
-        "stick_slip",
-        "hopping",
-        "hop_after_hop",
-        "period_doubled",
-        "aperiodic",
-    ]
-    shapes = dict(re.findall(r'"(#\w{6})": ([A-Z]+),', marks))
-    assert {colour_of(name) for name in INKS} == set(shapes)
-    assert len({shapes[colour_of(name)] for name in motion}) == len(motion)
 
 
 def test_figures_are_studies_that_the_service_takes(client):

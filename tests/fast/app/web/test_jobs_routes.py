@@ -1,7 +1,5 @@
 """Processes and jobs over HTTP: status codes, headers, documents."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Figures for Prometheus, readiness, traces of OpenTelemetry, and what is logged of kernels."""
 
-from __future__ import annotations
-
 import asyncio
 import errno
 import logging

@@ -1,12 +1,10 @@
 """Keys with roles and limits over HTTP, what belongs to whom, and wrong keys."""
 
-from __future__ import annotations
-
 import json
 import logging
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,14 +12,32 @@ from fastapi.testclient import TestClient
 
 from local_client import client_of
 from posted_sweeps import problem
-from two_keys import ASYNC, SLICE, study
 from vibrafeed.app.jobs import audit
 from vibrafeed.app.jobs.keys import Key
 from vibrafeed.app.web.entry import INVALID
 from waiting import PATIENCE, wait_for
 
 EXECUTION = "/processes/sweep/execution"
+SLICE = "/slice?output=acceleration_x&axes=beta"
+ASYNC = {"Prefer": "respond-async"}
 UNKNOWN = "0" * 64
+
+
+def study(number: int, values: int = 20) -> dict[str, Any]:
+    """Return one of many studies of the same size."""
+    return {
+        "kind": "sweep",
+        "scene": "rectangle-on-track",
+        "outputs": ["acceleration_x"],
+        "parameters": {
+            "frequency": 50 + number / 1000,
+            "amplitude": "0.5 mm",
+            "alpha": 10,
+            "beta": {"start": 0, "stop": 60, "num": values},
+            "friction": 0.3,
+            "radius": "0.8 m",
+        },
+    }
 
 
 class House:
@@ -76,6 +92,12 @@ def house(tmp_path) -> Iterator[House]:
     client.app.state.admission.ledger.close()
 
 
+@pytest.fixture
+def no_time_passes(monkeypatch) -> None:
+    """Stop the clock of the limits: requests come as fast as they are counted to do."""
+    monkeypatch.setattr("limits.storage.memory.time", SimpleNamespace(time=lambda: 1e9))
+
+
 @pytest.fixture(scope="module")
 def running(tmp_path_factory) -> Iterator[House]:
     """Give one that works."""
@@ -112,6 +134,7 @@ class TestRoles:
         for ask in (over, gone):
             assert problem(ask("GET", "/scenes"), 401) == unknown.json()
 
+    @pytest.mark.usefixtures("no_time_passes")
     def test_many_wrong_ones_of_an_address_are_refused_and_right_ones_are_not(self, house):
         right = house.key("lab")
         for number in range(INVALID.amount):
@@ -157,9 +180,8 @@ class TestLimits:
             problem(reply, 429, "problem:rate")
         house.admission.ledger.close()
 
-    def test_requests_a_second(self, house, monkeypatch):
-        second = time.time()
-        monkeypatch.setattr(time, "time", lambda: second)
+    @pytest.mark.usefixtures("no_time_passes")
+    def test_requests_a_second(self, house):
         ask, other = house.key("lab", requests=3), house.key("other")
         for _ in range(3):
             assert ask("GET", "/conformance").status_code == 200

@@ -1,7 +1,5 @@
 """What clients read of a sweep, and keep: slices in all forms, tables, Zarr keys, NetCDF files."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import errno

@@ -4,8 +4,6 @@ The drive of all of them: 50 Hz, 0.3 mm along, 0.1 mm normal that lags by 0.6 ra
 part with friction 0.3 then travels with +56.6 mm/s (a time integration of another program).
 """
 
-from __future__ import annotations
-
 from datetime import datetime, timedelta
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Harmonics of measured drives: known drives come back, with errors that are as large as stated."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

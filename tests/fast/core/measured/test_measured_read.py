@@ -1,7 +1,5 @@
 """Recordings and observations as users have them: what is read, and what is said of the rest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """Studies whose drive is a recording: what they become, what is refused, what speeds are worth."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 

@@ -1,7 +1,5 @@
 """Functions made of few steps: against numbers of 50 digits, and compiled against numpy."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 

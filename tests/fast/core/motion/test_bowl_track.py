@@ -1,7 +1,5 @@
 """The track of a bowl in stretches: geometry, each place by itself, what passes the whole."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import quad

@@ -1,7 +1,5 @@
 """Limits of a drive, the plain sine or a wave, against dense looks and exact cases."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

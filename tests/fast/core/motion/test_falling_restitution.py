@@ -1,7 +1,5 @@
 """Restitution that falls with the speed of impact, against a compliant contact."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

@@ -1,7 +1,5 @@
 """Parts a minute, and which way they travel."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

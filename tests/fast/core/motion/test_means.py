@@ -1,7 +1,5 @@
 """Means over batches of a motion that does not repeat: their error covers, and a drift is seen."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import stats

@@ -1,7 +1,5 @@
 """Derivatives of motion against exact ones, against closed forms, and against laws."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Parts and the unit that drives them: worked values, both in one time integration, laws."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import quad

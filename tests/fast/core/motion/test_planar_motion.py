@@ -1,7 +1,5 @@
 """Planar motion against values from elsewhere: closed forms, worked values, published speeds."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -9,7 +7,6 @@ import pytest
 from scipy import optimize
 
 from benchmarks.motions import planar_motion, planar_path
-from mean_velocities import MEAN_VELOCITIES
 from vibrafeed.core.quantities import MOTION_STATUSES
 
 STATUS = {name: flag.value for name, flag in MOTION_STATUSES.items()}
@@ -35,12 +32,6 @@ def groups(
 
 def motion(**case):
     return planar_motion(**{k: np.asarray(v) for k, v in {**groups(**case), **SETTINGS}.items()})
-
-
-def velocity(frequency: float, gravity: float, amplitude: float, **case):
-    """Return the mean velocity [m/s]."""
-    w = 2 * math.pi * frequency
-    return float(motion(**case, drive=amplitude * w * w / gravity).velocity) * gravity / w
 
 
 # --- closed forms
@@ -146,14 +137,3 @@ def test_thresholds_from_both_sides(periods):
 
 
 # --- values from elsewhere
-
-
-@pytest.mark.parametrize("name", MEAN_VELOCITIES)
-def test_worked_means(name):
-    case = MEAN_VELOCITIES[name]
-    speed = velocity(
-        case.frequency, 9.8, case.amplitude, beta=case.beta, gamma=case.gamma,
-        mu=case.friction_kinetic, mu_static=case.friction_static, e=case.restitution,
-    )  # fmt: skip
-    # A run of ever smaller hops is cut at 1e-10 g/w; without one nothing but rounding is left.
-    assert speed == pytest.approx(case.value, rel=1e-10 if case.restitution else 1e-13)

@@ -150,3 +150,26 @@ def test_a_hopping_part_has_no_velocity_of_weak_friction():
         "motion_status", max_periods=20, **CIRCLE | {"friction": 1e-4}, amplitude_normal_1="0.2 mm"
     )
     assert int(found.motion_status) != STATUS["weak_friction"]
+
+
+def test_friction_is_calibrated_by_speeds_on_a_plate():
+    runs = {"phase_normal_1": [20, 80, 200], "target_direction": [0, 90, 45]}
+    speeds = [
+        float(on_plate("velocity_towards", **CIRCLE | {"friction": 0.23},
+                       **BOUNCE | {"phase_normal_1": phase}, target_direction=towards)
+              .velocity_towards)
+        for phase, towards in zip(*runs.values(), strict=True)
+    ]  # fmt: skip
+    given = {name: value for name, value in {**CIRCLE, **BOUNCE}.items() if name not in runs}
+    found = vibrafeed.calibrate(
+        scene="part-on-plate", observations={**runs, "velocity_towards": speeds, "error": 2e-4},
+        unknowns={"friction": {"lower": 0.1, "upper": 0.5}}, points=1000,
+        **{name: value for name, value in given.items() if name != "friction"},
+    )  # fmt: skip
+    assert float(found.best_friction) == pytest.approx(0.23, abs=0.005)
+    with pytest.raises(StudyError, match="rectangle-on-plane has no velocity_towards"):
+        vibrafeed.calibrate(
+            scene="rectangle-on-plane", observations={"velocity_towards": [0.01], "error": 1e-3},
+            unknowns={"friction": {"lower": 0.1, "upper": 0.5}}, frequency=50, amplitude=2e-4,
+            beta=30,
+        )  # fmt: skip

@@ -1,7 +1,5 @@
 """Round parts in time: two theorems against time stepping of a test's own, statuses, words."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

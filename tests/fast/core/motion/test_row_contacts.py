@@ -1,7 +1,5 @@
 """No collision of parts is missed, and none is made up: gaps that close, graze, and stay open."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from many_digits import Functions, mpf

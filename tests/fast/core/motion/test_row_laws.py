@@ -1,7 +1,5 @@
 """Laws of rows of parts, on random ones under a sine and under waves: a thousand by night."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

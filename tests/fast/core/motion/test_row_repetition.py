@@ -1,7 +1,5 @@
 """How the motion of a row ends: a drift has no mean, a cycle is the shortest one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Rows under waves, from event to event: the sine, one part, and laws."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,11 +1,8 @@
 """Rows of parts: values that other programs and closed forms give, to their digits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
-import vibrafeed
 from rows import TURN, cell, followed, path, two_level
 from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE
 
@@ -75,13 +72,6 @@ def test_an_aperiodic_row_keeps_its_mean():
     assert gaps.min() == pytest.approx(0.52, abs=5e-3)
     # The largest of so many hangs on rounding, as the motion is chaotic.
     assert gaps.max() == pytest.approx(3.94, abs=0.1)
-
-
-def test_equal_parts_are_one_part_to_the_bit():
-    study = {"frequency": 50, "amplitude": "0.4 mm", "beta": 25, "outputs": ["conveying_velocity"]}
-    one = vibrafeed.simulate(scene="rectangle-on-plane", friction=[0.2, 0.4], **study)
-    row = vibrafeed.simulate(scene="row-on-plane", parts=[2, 20], friction=[0.2, 0.4], **study)
-    assert (row.conveying_velocity.values == one.conveying_velocity.values[:, np.newaxis]).all()
 
 
 def test_parts_that_hop():

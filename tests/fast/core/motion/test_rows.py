@@ -1,7 +1,5 @@
 """Rows of parts: isotonic contact by scipy, time stepping, and what studies of them say."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import isotonic_regression
@@ -146,12 +144,6 @@ def test_parts_that_run_down_a_slope_for_ever_have_no_mean_velocity(gamma, frict
     )  # fmt: skip
     assert (found.regime == REGIMES["runaway"].value) == away
     assert np.isnan(found.conveying_velocity) == away
-
-
-def test_parts_that_rebound_from_the_floor_have_no_mean():
-    found, names = regimes(["feed_rate"], restitution=[0.0, 0.2], **APART, length="12 mm")
-    assert names[0] != names[1] == "not_supported"
-    assert np.isnan(found.feed_rate.values).tolist() == [False, True]
 
 
 @pytest.mark.parametrize(

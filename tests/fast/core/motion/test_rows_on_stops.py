@@ -1,7 +1,5 @@
 """Rows on a stop, rows by steps, rows of drawn friction: worked values, another method, laws."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

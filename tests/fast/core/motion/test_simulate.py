@@ -1,7 +1,5 @@
 """Studies of motion: plan, methods, datasets, limits, and what is said of a wrong one."""
 
-from __future__ import annotations
-
 import threading
 import time
 from pathlib import Path
@@ -315,13 +313,6 @@ def test_next_to_no_drive_moves_nothing(amplitude):
 
 
 # --- rates
-
-
-def test_parts_per_minute_and_back():
-    rate = parts_per_minute(velocity=np.array([0.05]), length=np.array([0.02]), gap=0.005)
-    assert rate == pytest.approx([120])
-    speed = velocity_for(parts_per_minute=rate, length=np.array([0.02]), gap=0.005)
-    assert speed == pytest.approx([0.05])
 
 
 @pytest.mark.parametrize("length", [0, -0.01, np.array([0.01, 0.0])])

@@ -60,15 +60,6 @@ def test_a_course_ends_too(name):
     assert table.variables["motion_status"].values == NOT_COMPUTED
 
 
-def test_cells_that_were_done_before_the_stop_are_kept():
-    mixed = {**CURVE, "amplitude": ["0.01 mm", "2.1 mm"]}  # the first rests
-    watch = Watch(deadline=time.monotonic() + DEADLINE, threads=1)
-    found = tabulate(prepared("events in space", parameters=mixed), watch=watch).to_xarray()
-    done = [MOTION_STATUSES["at_rest"].value, NOT_COMPUTED]
-    assert found.motion_status.values.tolist() == done
-    assert found.conveying_velocity.values[0] == 0
-
-
 def test_a_stop_that_is_asked_for_ends_a_cell_as_a_deadline_does():
     looks = iter((False, False, True))
     watch = Watch(stop=lambda: next(looks, True))

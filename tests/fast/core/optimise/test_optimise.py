@@ -1,7 +1,5 @@
 """Optima: what they tell, what no optimum looks like, and what the user does not know."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Studies of optimisation, also of any number of a drive, and what is said of wrong ones."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +8,7 @@ import pytest
 import vibrafeed
 from benchmarks.best_wave import motions, steps, study
 from refusals import told_of
+from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_json, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.optimise.optima import designs_of

@@ -1,7 +1,5 @@
 """Robust values: the worst and the mean over an interval, against brute force."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The search of all designs at once, by known maxima, and what it keeps of chance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

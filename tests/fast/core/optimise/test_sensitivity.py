@@ -1,7 +1,5 @@
 """Derivatives of closed forms and of motion, against differences and against laws."""
 
-from __future__ import annotations
-
 import itertools
 import math
 
@@ -158,20 +156,6 @@ def test_a_parameter_that_plays_no_part_is_refused():
 
 
 HOPS = {"frequency": 50.0, "beta": 0.4, "friction": 0.4, "gravity": 9.81}
-
-
-def test_motion_in_hop_after_hop_has_its_known_exponents():
-    # v = pi g cos(beta + gamma)/(w sin beta): -1 for frequency, 0 for amplitude (theory 13.8).
-    beta, w = 0.4, 2 * math.pi * 50
-    exact = {
-        "frequency": -1.0, "amplitude": 0.0, "beta": -beta / (math.sin(beta) * math.cos(beta))
-    }  # fmt: skip
-    point = {**HOPS, "amplitude": 3.5 * 9.81 / (math.sin(beta) * w * w)}
-    of = motion_sensitivities("rectangle-on-plane", None, ["conveying_velocity"], point, [*exact])
-    for name, exponent in exact.items():
-        one = of["conveying_velocity", name]
-        assert one.logarithmic == pytest.approx(exponent, abs=1e-9)
-        assert abs(one.logarithmic - exponent) <= 1e-11 + 100 * one.error * point[name] / 0.14
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Each row of the table of operations: loops to the bit of numpy."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

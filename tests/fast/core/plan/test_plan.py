@@ -1,7 +1,5 @@
 """The plan: what outputs pull, what they leave out, and what is said where something is wrong."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

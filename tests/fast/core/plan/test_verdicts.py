@@ -1,7 +1,5 @@
 """A verdict belongs to the values that it judges: asking for one more output changes none."""
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 from typing import Any

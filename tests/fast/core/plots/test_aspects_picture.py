@@ -1,7 +1,5 @@
 """The picture of the aspects of a part from a file: its labels, and what lies in front."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import trimesh

@@ -1,7 +1,5 @@
 """Arrows over a plate."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.quiver import Quiver

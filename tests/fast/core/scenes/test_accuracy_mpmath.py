@@ -14,8 +14,6 @@ values between those at the ends of that range of the argument (`BENDS`), and at
 the other side (`JUMPS`).
 """
 
-from __future__ import annotations
-
 import math
 import sys
 

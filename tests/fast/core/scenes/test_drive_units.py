@@ -1,7 +1,5 @@
 """Drive units: worked values, the linear system itself, the balance of power, and limits."""
 
-from __future__ import annotations
-
 import inspect
 
 import mpmath

@@ -7,8 +7,6 @@ point on whose contact case or slip direction rounding decides (the argument of 
 within its own bar of 0) is left out for the outputs that jump there; their number is bounded.
 """
 
-from __future__ import annotations
-
 import collections
 import math
 

@@ -1,7 +1,5 @@
 """Lines of devices: worked values, parts that go round one by one, laws, drop tests."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

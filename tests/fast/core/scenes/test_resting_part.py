@@ -1,7 +1,5 @@
 """Resting shares and toppling: worked values, measured throws, limits, descents, rocking."""
 
-from __future__ import annotations
-
 import re
 
 import mpmath
@@ -81,6 +79,7 @@ def test_a_weighted_box_topples_about_its_own_centre_and_must_hold_it():
         centre_of_mass=0.011,
     )  # fmt: skip
     assert int(found.regime) == REGIMES["invalid_geometry"].value
+    assert np.isnan(found.let_down_share_flat)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Balls, rollers, discs on edge, cones: factors, limits, balances solved by the test itself."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

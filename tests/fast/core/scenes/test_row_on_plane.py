@@ -1,7 +1,5 @@
 """Closed results of rows: worked values, limits, and a stop step by step."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Contacts that give: worked values, impacts step by step, the law's own limits."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Studies of uncertain parameters: closed cases, laws, indices, and what a study may say."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Units, dimensions and packing that arrays carry besides their numbers are read, or refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas
 import pint

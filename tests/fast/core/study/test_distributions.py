@@ -1,7 +1,5 @@
 """Distributions of parameters: their forms, their bounds, and what they are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import stats

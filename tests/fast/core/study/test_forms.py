@@ -1,7 +1,5 @@
 """A study keeps its key through every form in which it is passed on, whatever stands in it."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

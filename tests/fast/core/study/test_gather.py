@@ -1,7 +1,5 @@
 """Studies as programs write them: objects, paths, mappings, keywords, arrays."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What people type by mistake leads to what they mean, never to the name of another quantity."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

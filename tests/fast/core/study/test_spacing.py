@@ -1,7 +1,5 @@
 """The values of a range are the numbers that a person types for them."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 from fractions import Fraction
 

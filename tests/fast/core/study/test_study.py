@@ -1,7 +1,5 @@
 """Studies: units, ranges, and messages that a newcomer can act on."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 

@@ -1,7 +1,5 @@
 """Units that vibrafeed writes, to files, headings, the screen and pictures, are read again."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Units that users write; the table of units says what pint says, and spares its loading."""
 
-from __future__ import annotations
-
 import collections
 import functools
 import itertools

@@ -1,7 +1,5 @@
 """Azimuth, elevation, climb and lean stand for alpha, beta, gamma and delta in every way in."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cells evaluated again: `verify` tells the truth, sees what is wrong, and can be stopped."""
 
-from __future__ import annotations
-
 import importlib
 import math
 from dataclasses import replace

@@ -122,6 +122,8 @@ def test_designs_of_a_calibration_are_its_candidates():
     grid = {"frequency": [50, 58], "load_mass": [0, 1]}
     whole = vibrafeed.calibrate(**study, candidates=grid)
     np.testing.assert_allclose(found.expected, np.diag(whole.expected), rtol=1e-12)
+    alone = vibrafeed.calibrate(**study, candidates={"frequency": 58, "load_mass": 1})
+    assert float(alone.expected) == pytest.approx(float(whole.expected[1, 1]), rel=1e-12)
 
 
 @pytest.fixture(scope="module")
