@@ -16,7 +16,13 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).parents[1]
-FILES = ("configs/**/*.toml", "configs/*.stl", "examples/*.py", "examples/*.csv")
+FILES = (
+    "configs/**/*.toml",
+    "configs/*.stl",
+    "examples/**/*.py",
+    "examples/**/*.toml",
+    "examples/*.csv",
+)
 OUTSIDE = re.compile(r"\[([^\]]+)\]\([A-Z]+\.md\)")
 LINK = re.compile(r"\]\(\.\./((?:configs|examples)/[^)]+)\)")
 

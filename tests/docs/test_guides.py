@@ -14,8 +14,12 @@ from vibrafeed.core.kernel_cache import root
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
-HEADING = re.compile(r"^### The (?:file|line|test|example): `([^`]+)`$", re.MULTILINE)
-BLOCK = re.compile(r"^```(python|diff|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FILES = ROOT / "examples" / "extending"
+HEADING = re.compile(
+    r"^### The (?:file|line|test|example): \[?`([^`]+)`(?:\]\(\.\./examples/extending/\1\))?$",
+    re.MULTILINE,
+)
+DIFF = re.compile(r"^```diff\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 COMMON = """
 import json
 import vibrafeed
@@ -143,21 +147,21 @@ GUIDES: dict[str, tuple[str, list[str]]] = {
 
 
 def carry_out(guide: str, tree: Path) -> list[str]:
-    """Do in a tree what a section shows: whole files, and changes of files line by line.
+    """Do in a tree what a section says: whole files that it links, and changes line by line.
 
     Returns the paths, in the page's order.
     """
     section = PAGE.partition(f"\n## {guide}\n")[2].partition("\n## ")[0]
     _, *parts = HEADING.split(section)
     for path, part in zip(parts[::2], parts[1::2], strict=True):
-        ((language, block),) = BLOCK.findall(part)
         file = tree / path
-        if language == "diff":
-            block = changed(file.read_text(encoding="utf-8"), block)
-        else:
+        if (FILES / path).exists():
             assert not file.exists(), path
             file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(block, encoding="utf-8")
+            shutil.copy(FILES / path, file)
+        else:
+            (diff,) = DIFF.findall(part)
+            file.write_text(changed(file.read_text(encoding="utf-8"), diff), encoding="utf-8")
     return parts[::2]
 
 

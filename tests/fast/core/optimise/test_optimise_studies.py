@@ -8,7 +8,6 @@ import pytest
 import vibrafeed
 from benchmarks.best_wave import motions, steps, study
 from refusals import told_of
-from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_json, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study
 from vibrafeed.core.optimise.optima import designs_of
