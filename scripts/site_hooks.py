@@ -31,13 +31,14 @@ LINK = re.compile(r"\]\(\.\./((?:configs|examples)/[^)]+)\)")
 def written_pages() -> dict[str, str]:
     """Return the pages that are written from the code, by name."""
     sys.path.insert(0, str(ROOT))
-    from benchmarks import gallery, kinds_page, mistakes_page, quantities_page
+    from benchmarks import gallery, kinds_page, mistakes_page, quantities_page, settings_page
 
     written = {
         "gallery": gallery,
         "kinds": kinds_page,
         "mistakes": mistakes_page,
         "quantities": quantities_page,
+        "settings": settings_page,
     }
     return {f"generated/{name}.md": program.page() for name, program in written.items()}
 

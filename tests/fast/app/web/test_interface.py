@@ -30,7 +30,8 @@ from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.scenes import SCENES
 
 ROOT = Path(__file__).parents[4]
-WRITTEN = {f"generated/{name}.md" for name in ("kinds", "mistakes", "quantities")}  # with the site
+SITE = ("gallery", "kinds", "mistakes", "quantities", "settings")
+WRITTEN = {f"generated/{name}.md" for name in SITE}
 PATH = "/processes/simulate/execution"
 SIMULATION = {
     "kind": "simulate",
