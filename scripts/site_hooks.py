@@ -22,6 +22,7 @@ FILES = (
     "examples/**/*.py",
     "examples/**/*.toml",
     "examples/*.csv",
+    "examples/*.yaml",
 )
 OUTSIDE = re.compile(r"\[([^\]]+)\]\([A-Z]+\.md\)")
 LINK = re.compile(r"\]\(\.\./((?:configs|examples)/[^)]+)\)")

@@ -20,9 +20,16 @@ HEAD = """\
 # Figures of the thesis
 
 `python -m benchmarks.figures` evaluates the studies of `configs/figures` in the variant `thesis`,
-judges each claim of chapter 5 by the numbers, and writes this page.
-[The thesis](../thesis.md#figures-of-chapter-5) explains the verdicts. Percentages are shares of
-cells where the part has left the floor, and where the wall would have to pull.
+judges each claim of [chapter 5](../thesis.md) by the numbers, and writes this page. Percentages are
+shares of cells where the part has left the floor, and where the wall would have to pull.
+
+| verdict | meaning |
+| --- | --- |
+| holds | the printed formula confirms the claim |
+| reproduced | it does so with the numbers of the claim |
+| not reproduced | it does not |
+| artefact beyond lift-off | it does, but only where the part has left the floor |
+| cannot be reproduced | data are missing |
 """
 
 DPI = 84
