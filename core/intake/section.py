@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeGuard
 
 from pydantic import BaseModel, ValidationError
 
@@ -306,7 +306,7 @@ ONLY_ONCE = 'Set kind = "simulate", or leave once out'
 ASKED_FROM = 5.0  # degrees between the climb of a recording and that of its study
 
 
-def names_file(section: Any) -> bool:
+def names_file(section: Any) -> TypeGuard[Mapping[str, Any]]:
     """True if a section of a study names a `file`."""
     return isinstance(section, Mapping) and isinstance(section.get("file"), str)
 

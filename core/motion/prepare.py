@@ -27,7 +27,7 @@ from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, p
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.scenes import Scene
-from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, SimulateStudy
+from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, MotionSettings, SimulateStudy
 from vibrafeed.core.study.values import Fixed
 
 ERROR = "conveying_velocity_error"

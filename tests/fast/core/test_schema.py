@@ -7,7 +7,7 @@ import pytest
 
 from night import spread
 from vibrafeed.core.kinds import KINDS
-from vibrafeed.core.motion import SYSTEMS
+from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.quantities import QUANTITIES, WORDS
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.schema import study_schema
