@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
-from types import MappingProxyType, ModuleType
+from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 Record = TypeVar("Record")
@@ -34,20 +34,20 @@ def lazily(
 
 
 class Exported(Mapping[str, Record], Generic[Record]):
-    """The records that packages, by key, export under one name; a package is loaded on request."""
+    """The records that modules, by key, hold under one name; a module is loaded on request."""
 
-    def __init__(self, name: str, packages: Mapping[str, ModuleType]):
-        self._name, self._packages = name, MappingProxyType({**packages})
+    def __init__(self, name: str, modules: Mapping[str, str]):
+        self._name, self._modules = name, MappingProxyType({**modules})
 
     def __getitem__(self, key: str) -> Record:
-        record: Record = getattr(self._packages[key], self._name)
+        record: Record = getattr(import_module(self._modules[key]), self._name)
         return record
 
     def __contains__(self, key: object) -> bool:
-        return key in self._packages  # which loads nothing
+        return key in self._modules  # which loads nothing
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._packages)
+        return iter(self._modules)
 
     def __len__(self) -> int:
-        return len(self._packages)
+        return len(self._modules)

@@ -43,6 +43,10 @@ class Problem:
     def __str__(self) -> str:
         return f"{self.place}: {self.message}. {self.fix}{'' if self.fix.endswith('?') else '.'}"
 
+    def document(self) -> dict[str, str]:
+        """Return the problem for programs: place, message and fix."""
+        return {"place": self.place, "message": self.message, "fix": self.fix}
+
     def below(self, parent: str) -> "Problem":
         """Return the problem with its path below that of a parent section."""
         return replace(self, place=f"{parent}.{self.place}")

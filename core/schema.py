@@ -75,9 +75,9 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
         return {"$ref": f"#/$defs/{names[text]}", **notes}
 
     for schema in (*kinds, *named.values()):
-        _map_children(schema, counted)
-    whole = [_map_children(kind, short) for kind in kinds]
-    definitions = {name: _map_children(schema, short) for name, schema in named.items()}
+        counted(schema)
+    whole = [short(kind) for kind in kinds]
+    definitions = {name: short(schema) for name, schema in named.items()}
     return {"$schema": DIALECT, "oneOf": whole, "$defs": definitions | shared}
 
 

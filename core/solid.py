@@ -54,7 +54,12 @@ class Hull:
     """
 
     def __init__(self, points: Floats) -> None:
-        hull = _convex_hull(points)
+        # Qhull merges facets in one plane, which takes the square of the corners of a fine round
+        # end.
+        try:
+            hull = ConvexHull(points, qhull_options="Q0")
+        except QhullError:
+            hull = ConvexHull(points)
         self.points: Floats = points[hull.vertices]
         self.size = float(np.linalg.norm(self.points, axis=1).max())
         renumbered = np.full(len(points), -1)
@@ -171,14 +176,6 @@ class Rims(NamedTuple):
     other: Indices
     beyond: Floats
     inside: Floats
-
-
-def _convex_hull(points: Floats) -> ConvexHull:
-    # Qhull merges facets in one plane, which takes the square of the corners of a fine round end.
-    try:
-        return ConvexHull(points, qhull_options="Q0")
-    except QhullError:
-        return ConvexHull(points)
 
 
 def _linked(first: Indices, second: Indices, count: int) -> Indices:

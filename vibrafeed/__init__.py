@@ -99,14 +99,11 @@ if TYPE_CHECKING:
     from vibrafeed.core.motion.drive_error import DriveError
     from vibrafeed.core.motion.feeding import effective_distance, parts_per_minute, velocity_for
     from vibrafeed.core.quantities import QUANTITIES, REGIMES
-    from vibrafeed.core.study import (
-        CalibrateStudy,
-        OptimiseStudy,
-        SensitivityStudy,
-        SimulateStudy,
-        Study,
-        SweepStudy,
-    )
+    from vibrafeed.core.study.calibrate_study import CalibrateStudy
+    from vibrafeed.core.study.grid_study import Study
+    from vibrafeed.core.study.optimise_study import OptimiseStudy
+    from vibrafeed.core.study.sensitivity_study import SensitivityStudy
+    from vibrafeed.core.study.sweep_and_simulate import SimulateStudy, SweepStudy
 
 __version__: str = core.__version__
 
@@ -126,7 +123,11 @@ _HOMES = {
     "motion.drive_error": ("DriveError",),
     "motion.feeding": ("effective_distance", "parts_per_minute", "velocity_for"),
     "quantities": ("QUANTITIES", "REGIMES"),
-    "study": tuple(name for name in __all__ if name.endswith("Study")),
+    "study.calibrate_study": ("CalibrateStudy",),
+    "study.grid_study": ("Study",),
+    "study.optimise_study": ("OptimiseStudy",),
+    "study.sensitivity_study": ("SensitivityStudy",),
+    "study.sweep_and_simulate": ("SimulateStudy", "SweepStudy"),
 }
 
 if not TYPE_CHECKING:  # there every name would do

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from vibrafeed.core.catalogue import SceneCard
     from vibrafeed.core.intake.keywords import StudyLike
     from vibrafeed.core.motion.drive_error import DriveError
-    from vibrafeed.core.study import Study
+    from vibrafeed.core.study.grid_study import Study
     from vibrafeed.core.watch import Watch
     from vibrafeed.parameters import Keywords, Outputs, SceneName
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibrafeed._values import Named
-    from vibrafeed.core.study import Study
+    from vibrafeed.core.study.grid_study import Study
 
 
 PLAIN = {"degree": Shown(1.0, "deg"), "min-1": Shown(1.0, "1/min")}

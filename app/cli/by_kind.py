@@ -7,7 +7,6 @@ import numpy as np
 
 from vibrafeed.app.cli.console import is_muted, progress, say, table, tell
 from vibrafeed.app.cli.units import DIGITS, format_number
-from vibrafeed.core import optimise
 from vibrafeed.core.dataset.table import percent_with_error
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
@@ -115,12 +114,14 @@ def nearest(result: "Table", units: "ShownUnits", deadline: float | None) -> lis
     """
     if is_muted() or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
+    from vibrafeed.core.optimise import reach as search  # few runs need it
+
     tell("  Searching for the nearest designs; Ctrl-C skips the search ...")
     try:
         study = parse_json(str(result.attributes["study"]))
         with progress("nearest designs") as advance:
             watch = Watch(advance, deadline=deadline).part(0.5)
-            reaches, others = optimise.nearest(study, watch), optimise.ways(study, watch)
+            reaches, others = search.nearest(study, watch), search.ways(study, watch)
     except KeyboardInterrupt:
         return []
     lines = []

@@ -11,7 +11,7 @@ import typer
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.console import needing
 from vibrafeed.app.cli.options import FAILED, Json, Units
-from vibrafeed.app.cli.studies import refuse, warn
+from vibrafeed.app.cli.studies import refuse, warn, write_text
 from vibrafeed.core.errors import Problem, StudyError
 
 if TYPE_CHECKING:
@@ -185,22 +185,22 @@ def drive(
         show_fit(fit, recording, shown)
     if output is not None:
         _write(output, lines, quiet=toml or as_json)
+    if plot is None:
+        return
+    from vibrafeed.core.plots.drawing import save
+    from vibrafeed.core.plots.measured import draw_fit
+
     try:
-        if plot is not None:
-            _save_picture(fit, plot)
-            typer.echo(f"wrote {plot}", err=toml or as_json)
+        save(draw_fit(fit), plot)
     except OSError as error:
         console.fail(f"{error.filename or recording}: {error.strerror or error}.")
         raise typer.Exit(FAILED) from None
+    typer.echo(f"wrote {plot}", err=toml or as_json)
 
 
 def _write(output: Path, lines: str, *, quiet: bool) -> None:
     """Write the lines of a TOML file, and say so; exit with a message if that is not possible."""
-    try:
-        output.write_text(lines + "\n", encoding="utf-8")
-    except OSError as error:
-        console.fail(f"{output}: {error.strerror or error}.")
-        raise typer.Exit(FAILED) from None
+    write_text(output, lines + "\n")
     typer.echo(f"wrote {output}", err=quiet)
 
 
@@ -241,14 +241,6 @@ def _fit_ring_down(
         return fits[0], mass
     except StudyError as error:
         refuse({recording: [replace(one, place="--added-mass") for one in error.problems]})
-
-
-def _save_picture(fit: "Fit", plot: Path) -> None:
-    """Draw a fitted drive into a file."""
-    from vibrafeed.core.plots.drawing import save
-    from vibrafeed.core.plots.measured import draw_fit
-
-    save(draw_fit(fit), plot)
 
 
 def _split_list(text: str | None) -> tuple[str, ...] | None:

@@ -1,6 +1,6 @@
 """`vibrafeed materials`: published friction, restitution and leaf springs."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 import typer
@@ -37,7 +37,16 @@ def materials(
         raise typer.Exit(FAILED)
     numbers = {name: str(number) for number, name in enumerate(table["sources"], 1)}
     if leaves:
-        _show_leaves(table["materials"], numbers)
+        cells = [
+            (
+                row["material"],
+                _join_texts(row["form"], row["note"]),
+                *(shown(row, name) for name in OF_LEAVES),
+                numbers[row["source"]],
+            )
+            for row in table["materials"]
+        ]
+        console.table(LEAVES, cells)
     else:
         _show_friction(table, numbers)
     more = () if leaves or asked else table["surfaces"]
@@ -68,19 +77,6 @@ def _show_friction(table: Mapping[str, Any], numbers: Mapping[str, str]) -> None
         console.table(REBOUNDS, rebounds)
         for line in table["restitution_notes"]:
             console.tell(f"- {line}")
-
-
-def _show_leaves(rows: Collection[Mapping[str, Any]], numbers: Mapping[str, str]) -> None:
-    cells = [
-        (
-            row["material"],
-            _join_texts(row["form"], row["note"]),
-            *(shown(row, name) for name in OF_LEAVES),
-            numbers[row["source"]],
-        )
-        for row in rows
-    ]
-    console.table(LEAVES, cells)
 
 
 def _name_pair(row: Mapping[str, Any]) -> str:

@@ -29,7 +29,7 @@ from vibrafeed.core.dataset.bands import (
     rounded,
     sentences_on_bands,
 )
-from vibrafeed.core.dataset.table import judge_of, percent, regime_shares
+from vibrafeed.core.dataset.table import flags_of, judge_of, percent, regime_shares
 from vibrafeed.core.intake import parse_json
 from vibrafeed.core.kinds import is_whole, not_verified, share_left_out
 from vibrafeed.core.motion.feeding import travel_in_words
@@ -386,10 +386,7 @@ def _states(result: Table) -> dict[str, dict[str, float]]:
         )  # such as which bound binds
         if "flag_values" not in column.attributes or is_told:
             continue
-        words = str(column.attributes["flag_meanings"]).split()
-        by_value = dict(
-            zip(np.asarray(column.attributes["flag_values"]).tolist(), words, strict=True)
-        )
+        by_value = flags_of(column.attributes)
         numbers, counts = np.unique(column.values, return_counts=True)
         states[name] = {
             by_value[number]: count / column.values.size

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -133,7 +133,8 @@ def run(
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.dataset.files import Storage
 
-    to_standard = is_standard(output) and not dry_run
+    is_standard = output is not None and (output == "-" or output.startswith("-."))
+    to_standard = is_standard and not dry_run
     _refuse_together(as_json=as_json, to_standard=to_standard)
     began = time.perf_counter()
     units_asked(units)
@@ -166,7 +167,7 @@ def run(
             finally:
                 if as_json:
                     told = [studies.with_warnings(facts) for facts in running.facts]
-                    console.document({"vibrafeed": core.__version__, "results": told})
+                    console.document(_document("results", told, studies))
     if not sound:
         raise typer.Exit(FAILED)
     if studies.refused:
@@ -181,6 +182,10 @@ def _count_warnings(studies: Batch) -> None:
         typer.echo(studies.count_of_warnings, err=True)
 
 
+def _document(what: str, told: list[dict[str, Any]], studies: Batch) -> dict[str, Any]:
+    return {"vibrafeed": core.__version__, what: told, "refused": studies.refusals()}
+
+
 def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
     """Print the plans of all studies, or one JSON document with all of them (`as_json`).
 
@@ -193,7 +198,7 @@ def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
             studies.with_warnings(plans.plan_facts(path, prepared))
             for path, prepared in studies.items()
         ]
-        console.document({"vibrafeed": core.__version__, "plans": told})
+        console.document(_document("plans", told, studies))
         return
     for path, prepared in studies.items():
         plans.show_plan(path, prepared, units)
@@ -253,11 +258,6 @@ def _refuse_together(*, as_json: bool, to_standard: bool) -> None:
             "--json", message, "Leave out --json, or write the result to a file: -o result.csv"
         )
         refuse({Path("options"): [problem]})
-
-
-def is_standard(output: str | None) -> bool:
-    """True if an output path means standard output: `-`, or `-` with a suffix such as `-.csv`."""
-    return output is not None and (output == "-" or output.startswith("-."))
 
 
 @contextmanager

@@ -52,7 +52,9 @@ def scenes(
     from vibrafeed.core.catalogue import describe, describe_all
 
     if schema:
-        _print_schema()
+        from vibrafeed.app.kept_texts import study_schema_text  # it takes a second to make
+
+        typer.echo(study_schema_text())
         return
     shown = units_asked(units)
     try:
@@ -65,10 +67,3 @@ def scenes(
         catalogue.show_scenes(document)
     else:
         catalogue.show_scene(document, shown)
-
-
-def _print_schema() -> None:
-    """Print the schema, which takes a second to make; the text is kept until a source changes."""
-    from vibrafeed.app.kept_texts import study_schema_text
-
-    typer.echo(study_schema_text())

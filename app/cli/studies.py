@@ -4,7 +4,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -48,6 +48,13 @@ class Batch(dict[Path, "Prepared"]):
         count, of = sum(map(len, self.warnings.values())), len(self)
         where = f" in {len(self.warnings):,} of {of:,} studies" if of > 1 else ""
         return f"{count:,} warning{'s' * (count > 1)}{where}" if count else ""
+
+    def refusals(self) -> list[dict[str, Any]]:
+        """Return the studies that were refused, for programs, each with its problems."""
+        return [
+            {"study": str(path), "errors": [one.document() for one in problems]}
+            for path, problems in self.refused.items()
+        ]
 
     def with_warnings(self, facts: Mapping[str, Any]) -> dict[str, Any]:
         """Return the facts on a study, for programs, with the warnings of its file."""
@@ -100,11 +107,6 @@ def warn(name: object, lines: Iterable[str]) -> None:
         typer.echo(f"{name}: warning: {line}", err=True)
 
 
-def stem_of(path: Path) -> str:
-    """Return the stem for the name of a result: that of its study file."""
-    return "study" if path == STANDARD else path.stem
-
-
 def name_of(path: Path) -> str:
     """Return the path as text, or `standard input`."""
     return "standard input" if path == STANDARD else str(path)
@@ -150,12 +152,9 @@ def tell(problems_of: Mapping[Path, Sequence[Problem]]) -> None:
             typer.echo(f"  {problem}", err=True)
 
 
-def refuse_clashes(targets: Mapping[Path, Path | str], taken: Collection[Path | str] = ()) -> None:
-    """Exit if two results would have one path, or if one has a path that is otherwise used.
-
-    `targets` holds the path of each study's result; `taken` are paths that other files will have.
-    """
-    everything = [*targets.values(), *taken]
+def refuse_clashes(targets: Mapping[Path, Path | str]) -> None:
+    """Exit if two results would have one path; `targets` holds that of each study's result."""
+    everything = [*targets.values()]
     message = "{} would be written more than once"
     fix = "Rename a study, or use another folder"
     clashes = {

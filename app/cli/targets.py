@@ -12,7 +12,7 @@ import typer
 from vibrafeed import core
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED
-from vibrafeed.app.cli.studies import REPLACE, refuse, refuse_clashes, stem_of
+from vibrafeed.app.cli.studies import REPLACE, STANDARD, refuse, refuse_clashes
 from vibrafeed.core.dataset.files import Storage
 from vibrafeed.core.dataset.formats import (
     FORMATS,
@@ -45,8 +45,9 @@ def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Pat
     if output is not None and output.rstrip("/").lower().endswith(".zarr"):
         output = output.rstrip("/")
     if output is None or _is_folder(output):
+        stems = {file: "study" if file == STANDARD else file.stem for file in studies}
         targets = {
-            file: str(Path(output or file.parent) / f"{stem_of(file)}.nc") for file in studies
+            file: str(Path(output or file.parent) / f"{stem}.nc") for file, stem in stems.items()
         }
     else:
         check_suffix(output)

@@ -80,7 +80,11 @@ class Admission:
         self._quota.look(key, task.bytes, who)
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
-            self._check_jobs(who)
+            if who.jobs is not None and self.ledger.active(who.name) >= who.jobs:
+                raise TooManyJobsError(
+                    f"Your key may have at most {who.jobs:,} jobs that run or wait. Dismiss a "
+                    "job, or wait until one is done."
+                )
             manifest = self.store.manifest(key)
             held = self.ownership.of(who.name, key)
             is_own = who.sees_all or (held is not None and held.result)
@@ -141,17 +145,6 @@ class Admission:
         logger.warning("a result is computed again: %s", job.key)
         self._wake()
         return True
-
-    def _check_jobs(self, who: Key) -> None:
-        """Raise `TooManyJobsError` if an API key has as many running or waiting jobs as it may.
-
-        `who` is the key with its limits.
-        """
-        if who.jobs is not None and self.ledger.active(who.name) >= who.jobs:
-            raise TooManyJobsError(
-                f"Your key may have at most {who.jobs:,} jobs that run or wait. Dismiss a "
-                "job, or wait until one is done."
-            )
 
     def keep(self, key: str, text: str, who: Key = NOBODY) -> bool:
         """Store a sweep without computing it, so that clients can read slices computed on demand.

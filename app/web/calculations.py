@@ -120,11 +120,8 @@ def encode_slice(cut: SliceCut, form: str, threads: int | None = None) -> bytes:
     header with raw values behind it.
     """
     piece = compute_slice(cut, threads)
-    return encode_binary(piece) if form == "binary" else encode_json(piece)
-
-
-def encode_json(piece: dict[str, Any]) -> bytes:
-    """Return a slice as JSON; `piece` is the slice as `compute_slice` returns it."""
+    if form == "binary":
+        return encode_binary(piece)
     return orjson.dumps(piece, option=orjson.OPT_SERIALIZE_NUMPY)
 
 

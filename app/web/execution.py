@@ -12,7 +12,7 @@ from pydantic_core import ErrorDetails
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.pieces import Kind
-from vibrafeed.core.study import Study
+from vibrafeed.core.study.grid_study import Study
 
 ACCURACY = "accuracy"
 

@@ -164,9 +164,7 @@ def problem_document(
     }
     if instance:
         content["instance"] = instance
-    errors = [
-        {"place": p.place, "message": p.message, "fix": p.fix} for p in problems[:MAX_PROBLEMS]
-    ]
+    errors = [problem.document() for problem in problems[:MAX_PROBLEMS]]
     if errors:
         content["errors"] = errors
     return Response(orjson.dumps(content), status, headers, PROBLEM_TYPE)

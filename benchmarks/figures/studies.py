@@ -10,7 +10,7 @@ import xarray as xr
 
 from vibrafeed.core.intake import load_study, parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.study import SweepStudy
+from vibrafeed.core.study.sweep_and_simulate import SweepStudy
 
 ROOT = Path(__file__).parents[2]
 STUDIES = ROOT / "configs" / "figures"

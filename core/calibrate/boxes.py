@@ -297,7 +297,9 @@ def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
     boxes = _first(likelihood, most, watch)
     tried = len(boxes)
     while True:
-        log = _log_mass(likelihood, boxes)
+        points, within = points_of(likelihood, boxes.centre), boxes.rough + boxes.change
+        log = likelihood.log(boxes.value, boxes.variance, boxes.shown, points, within)
+        log = log + boxes.log_volume[:, np.newaxis]
         log_mass = log_sum(log)
         score = _score(likelihood, boxes, log)
         left = float(score.sum())
@@ -401,12 +403,6 @@ def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> Pos
         np.repeat(rough, children, axis=0),
         shown,
     )
-
-
-def _log_mass(likelihood: Likelihood, boxes: PosteriorBoxes) -> Array:
-    points, within = points_of(likelihood, boxes.centre), boxes.rough + boxes.change
-    log = likelihood.log(boxes.value, boxes.variance, boxes.shown, points, within)
-    return log + boxes.log_volume[:, np.newaxis]
 
 
 def _sizes(log: Array) -> Array:

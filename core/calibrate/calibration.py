@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from math import prod
 
 import numpy as np
 
@@ -223,15 +222,6 @@ class Calibration(Prepared):
         if self.candidates:
             sizes |= {CANDIDATE + name: size for name, size in self.candidates.shape.items()}
         return sizes
-
-    @property
-    def bytes(self) -> int:
-        """Size of the calibration's result in memory [bytes], known before it is computed.
-
-        It counts 8 bytes for each value of each variable, and the most modes that are stored.
-        """
-        sizes = self.sizes
-        return sum(8 * prod(sizes[dim] for dim in dims) for dims in self.dims.values())
 
     @property
     def cut_axes(self) -> tuple[str, ...]:

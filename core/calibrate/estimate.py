@@ -223,17 +223,14 @@ def _best(
         size = 0.0
     modes = modes_of(posterior, axes)
     polished = np.array([_polished(posterior.likelihood, mode.best, size, watch) for mode in modes])
-    likely = polished[np.argmax(_log_density(posterior.likelihood, polished))]
+    likelihood = posterior.likelihood
+    found = likelihood.model.predict(polished, Watch())
+    log = likelihood.log(found.value, found.variance, likelihood.shown(found), polished)
+    likely = polished[np.argmax(log_sum(log))]
     arrays: dict[str, Array] = {"mode_share": np.array([mode.share for mode in modes])}
     arrays |= {f"mode_{name}": polished[:, k] for k, name in enumerate(model.names)}
     arrays |= {f"best_{name}": likely[k] for k, name in enumerate(model.names)}
     return arrays
-
-
-def _log_density(likelihood: Likelihood, points: Array) -> Array:
-    predicted = likelihood.model.predict(points, Watch())
-    shown = likelihood.shown(predicted)
-    return log_sum(likelihood.log(predicted.value, predicted.variance, shown, points))
 
 
 def _by_run(

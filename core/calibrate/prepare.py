@@ -12,7 +12,7 @@ from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.drive_units import unit_of
 from vibrafeed.core.motion.plate import PLATE
-from vibrafeed.core.motion.prepare import choose_system, fix_for_unused_setting
+from vibrafeed.core.motion.prepare import choose_system, problems_of_settings
 from vibrafeed.core.motion.systems import CONTACTS
 from vibrafeed.core.plan.grid import Grid
 from vibrafeed.core.plan.plan import choose_scene, plan_scene
@@ -356,12 +356,7 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str, output: str) -> 
             f"the scene {scene.name} gives no conveying velocity to calibrate",
             f"Choose among {', '.join(CONTACTS)}",
         )
-    needed = {name for equation in scene.variants[method] for name in equation.inputs}
-    for name in study.settings():
-        if name not in needed:
-            yield Problem(
-                name, f"the method {method} does not use it", fix_for_unused_setting(scene, name)
-            )
+    yield from problems_of_settings(study, scene, method)
 
 
 def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:

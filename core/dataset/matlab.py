@@ -53,7 +53,10 @@ def write_mat(table: Table, where: str, storage: Storage) -> None:
     check(Size(doubles=sum(one.nbytes for one in data.values())))
     result = {
         "data": data,
-        "dimensions": {named[n]: _list(named[dim] for dim in v.dims) for n, v in variables.items()},
+        "dimensions": {  # rows of objects, which become cell arrays
+            named[n]: np.array([[named[dim] for dim in v.dims]], dtype=object)
+            for n, v in variables.items()
+        },
         **{
             field: {
                 named[n]: _text(str(v.attributes[attribute]))
@@ -116,11 +119,6 @@ def _text(text: str) -> str:
     are letters, and would cut the text.
     """
     return text + " " * (len(text.encode()) - len(text))
-
-
-def _list(texts: Iterable[str]) -> NDArray[Any]:
-    """Return texts as a row of objects, which becomes a cell array of MATLAB."""
-    return np.array([list(texts)], dtype=object)
 
 
 def _flags(variable: TableVariable) -> dict[str, float]:

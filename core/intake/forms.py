@@ -19,6 +19,7 @@ from typing import Any, Final, NoReturn
 
 from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.intake.part import with_part
+from vibrafeed.core.intake.section import names_file
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, read_rows, with_posteriors
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.tables.text import text_of
@@ -69,9 +70,7 @@ def read_content(path: Path) -> object:
         _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
     content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
     if isinstance(content, dict):
-        for key, section in SECTIONS.items():
-            if key in content:
-                content[key] = section.beside(content[key], path.parent)
+        return _with_files(content, lambda name: str(path.parent / name))
     return content
 
 
@@ -333,45 +332,42 @@ def write_as(form: str, content: Mapping[str, Any], service: str = SERVICE) -> s
 
 
 def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
-    """Return a study whose files of recordings and observations are found from its new place.
+    """Return a study whose files, such as recordings, are found from its new place.
 
     `content` is the study as it was typed, with file names from the current folder, `form` a key of
     `FORMS`: a file gets names from its own `folder`, a program from the current one, a request the
     contents of the files, as a service reads no files of others. Raises `StudyError` if a recording
     that is to be sent cannot be read.
     """
-    if form in REQUESTS:
-        content = with_posteriors(in_letters(content)[0], files=True).content
-    part = content.get("part")
-    if part is not None and form in REQUESTS:
-        resolved = with_part(dict(content), files=True)
-        raise_any(resolved.problems)
-        content = resolved.content
-    elif isinstance(part, Mapping) and isinstance(part.get("file"), str):
-        moved_file = _path_from(Path(part["file"]), form, folder)
-        content = {**content, "part": {**part, "file": moved_file}}
-    if isinstance(content.get("observations"), str):
-        runs = Path(content["observations"])
-        moved = read_rows(runs) if form in REQUESTS else _path_from(runs, form, folder)
-        content = {**content, "observations": moved}
-    designs = content.get("designs")
-    if isinstance(designs, Mapping) and isinstance(designs.get("file"), str):
-        table = Path(designs["file"])
-        there = {"file": _path_from(table, form, folder)}
-        kept = read_rows(table, "designs") if form in REQUESTS else there
-        content = {**content, "designs": kept}
-    drive = content.get("drive")
-    if not isinstance(drive, Mapping) or not isinstance(drive.get("file"), str):
-        return dict(content)
-    file = Path(drive["file"])
-    if form in REQUESTS:
-        try:
-            data = text_of(file.read_bytes())
-        except (OSError, ValueError) as error:
-            raise refused("drive.file", f"{file} cannot be read: {error}", "Name a CSV") from None
-        rest = {name: value for name, value in drive.items() if name != "file"}
-        return {**content, "drive": {**rest, "data": data}}
-    return {**content, "drive": {**drive, "file": _path_from(file, form, folder)}}
+    if form not in REQUESTS:
+        return _with_files(content, lambda name: _path_from(Path(name), form, folder))
+    sent = {**with_posteriors(in_letters(content)[0], files=True).content}
+    runs, designs, drive = (sent.get(key) for key in ("observations", "designs", "drive"))
+    if isinstance(runs, str):
+        sent["observations"] = read_rows(Path(runs))
+    if names_file(designs):
+        sent["designs"] = read_rows(Path(designs["file"]), "designs")
+    if names_file(drive):
+        sent["drive"] = _with_text(drive)
+    if sent.get("part") is None:
+        return sent
+    resolved = with_part(sent, files=True)
+    raise_any(resolved.problems)
+    return resolved.content
+
+
+def _with_files(content: Mapping[str, Any], move: Callable[[str], str]) -> dict[str, Any]:
+    sections = {key: one for key, one in content.items() if key in SECTIONS}
+    return {**content, **{key: SECTIONS[key].beside(one, move) for key, one in sections.items()}}
+
+
+def _with_text(drive: Mapping[str, Any]) -> dict[str, Any]:
+    file = drive["file"]
+    try:
+        data = text_of(Path(file).read_bytes())
+    except (OSError, ValueError) as error:
+        raise refused("drive.file", f"{file} cannot be read: {error}", "Name a CSV") from None
+    return {**{name: value for name, value in drive.items() if name != "file"}, "data": data}
 
 
 def _path_from(file: Path, form: str, folder: Path) -> str:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeGuard
 
 from pydantic import BaseModel, ValidationError
 
@@ -142,10 +142,11 @@ class Section:
     unknown : callable
         Takes a `Stranger`; returns its problem.
     beside : callable
-        Takes the section and the study's folder; returns it with file names found from anywhere.
+        Takes the section and a function from the name of a file to another; returns it with the
+        latter.
     resolve : callable, optional
         Takes content with the section, and True if files of this machine may be read; replaces the
-        name of a file by its numbers.
+        name of a file by its numbers. After a `StudyError` the section is left out.
     absent : callable, optional
         Takes the section as a `Stranger` to a kind without it; returns the problem.
     """
@@ -156,7 +157,7 @@ class Section:
     by_parameter: bool = False
     place: Callable[[Sequence[Any]], str] = dotted
     unknown: Callable[[Stranger], Problem] = no_key
-    beside: Callable[[Any, Path], Any] = lambda raw, _: raw
+    beside: Callable[[Any, Callable[[str], str]], Any] = lambda raw, _: raw
     resolve: Callable[[Content, bool], Resolved] | None = None
     absent: Callable[[Stranger], Problem] | None = None
 
@@ -305,23 +306,22 @@ ONLY_ONCE = 'Set kind = "simulate", or leave once out'
 ASKED_FROM = 5.0  # degrees between the climb of a recording and that of its study
 
 
-def file_beside(section: Any, folder: Path) -> Any:
-    """Return a section with its `file`, if it names one, in a folder."""
-    is_named = isinstance(section, dict) and isinstance(section.get("file"), str)
-    return {**section, "file": str(folder / section["file"])} if is_named else section
+def names_file(section: Any) -> TypeGuard[Mapping[str, Any]]:
+    """True if a section of a study names a `file`."""
+    return isinstance(section, Mapping) and isinstance(section.get("file"), str)
+
+
+def file_beside(section: Any, move: Callable[[str], str]) -> Any:
+    """Return a section with its `file`, if it names one, under the name that `move` returns."""
+    return {**section, "file": move(section["file"])} if names_file(section) else section
 
 
 def _with_drive(content: Content, files: bool) -> Resolved:
     if not names_recording(content):
         return Resolved(content)
-    try:
-        record, fit = _measured_drive(
-            content["drive"], _slopes(content), files=files, kind=str(content.get("kind"))
-        )
-    except StudyError as error:
-        return Resolved(
-            {name: value for name, value in content.items() if name != "drive"}, error.problems
-        )
+    record, fit = _measured_drive(
+        content["drive"], _slopes(content), files=files, kind=str(content.get("kind"))
+    )
     own = _parameter_sections(content)
     numbers = {n: v for n, v in record.numbers.items() if not any(n in given for given in own)}
     written = content.get("parameters", {})  # if it is none, its reader says so

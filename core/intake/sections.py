@@ -1,13 +1,13 @@
 """The sections that studies have; a kind has those that are keys of its model."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from vibrafeed.core.errors import Problem, StudyError, refused
+from vibrafeed.core.errors import Problem, refused
 from vibrafeed.core.intake.part import PART
 from vibrafeed.core.intake.section import (
     DRIVE,
@@ -48,17 +48,11 @@ def _with_rows(content: Content, files: bool) -> Resolved:
     named = content["observations"]
     if not isinstance(named, str):
         return Resolved(content)
-    try:
-        if not files:
-            raise refused(
-                "observations", "the service reads no files", "Give its rows: a list of objects"
-            )
-        return Resolved({**content, "observations": read_rows(Path(named))})
-    except StudyError as error:
-        return Resolved(
-            {name: value for name, value in content.items() if name != "observations"},
-            error.problems,
+    if not files:
+        raise refused(
+            "observations", "the service reads no files", "Give its rows: a list of objects"
         )
+    return Resolved({**content, "observations": read_rows(Path(named))})
 
 
 def read_rows(path: Path, section: str = "observations") -> list[dict[str, Any]]:
@@ -191,14 +185,10 @@ def _with_designs(content: Content, files: bool) -> Resolved:
     designs = content["designs"]
     if not isinstance(designs, Mapping) or set(designs) != {"file"}:
         return Resolved(content)
-    rest = {name: one for name, one in content.items() if name != "designs"}
-    try:
-        if not files:
-            raise refused("designs.file", "the service reads no files", "Give rows = [...]")
-        rows = read_rows(Path(str(designs["file"])), "designs")
-    except StudyError as error:
-        return Resolved(rest, error.problems)
-    return Resolved(*paired({**rest, "designs": rows}))
+    if not files:
+        raise refused("designs.file", "the service reads no files", "Give rows = [...]")
+    rows = read_rows(Path(str(designs["file"])), "designs")
+    return Resolved(*paired({**content, "designs": rows}))
 
 
 # --- The section `uncertain`: from the result of a calibration that a study names to its densities.
@@ -209,11 +199,11 @@ DENSITY = "density_"
 """With the name of a parameter, the variable that holds its density."""
 
 
-def _files_beside(uncertain: Any, folder: Path) -> Any:
+def _files_beside(uncertain: Any, move: Callable[[str], str]) -> Any:
     if not isinstance(uncertain, dict):
         return uncertain
     return {
-        name: {**one, CALIBRATION: str(folder / one[CALIBRATION])}
+        name: {**one, CALIBRATION: move(one[CALIBRATION])}
         if isinstance(one, dict) and isinstance(one.get(CALIBRATION), str)
         else one
         for name, one in uncertain.items()
@@ -309,7 +299,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
         outputs=_measured,
         place=_problem_path,
         unknown=_unknown_column,
-        beside=lambda rows, folder: str(folder / rows) if isinstance(rows, str) else rows,
+        beside=lambda rows, move: move(rows) if isinstance(rows, str) else rows,
         resolve=_with_rows,
     ),
     "designs": Section(names=lambda *_: (), beside=file_beside, resolve=_with_designs),

@@ -12,7 +12,13 @@ from pydantic import ValidationError
 
 from vibrafeed.core.errors import Problem, StudyError
 from vibrafeed.core.intake.forms import read_content, read_json, read_toml
-from vibrafeed.core.intake.section import Stranger, channel_questions, problems_of, tilt_questions
+from vibrafeed.core.intake.section import (
+    Resolved,
+    Stranger,
+    channel_questions,
+    problems_of,
+    tilt_questions,
+)
 from vibrafeed.core.intake.sections import SECTIONS, in_letters, paired, words_in
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.pieces import Sketch
@@ -91,9 +97,14 @@ class Draft:
         for key, section in SECTIONS.items():
             there = isinstance(self.content, Mapping) and key in self.content and key in keys
             if there and section.resolve is not None:
-                self.content, problems, fit = section.resolve(self.content, files)
-                self.problems += problems
-                self.fit = fit or self.fit
+                try:
+                    found = section.resolve(self.content, files)
+                except StudyError as error:
+                    rest = {name: one for name, one in self.content.items() if name != key}
+                    found = Resolved(rest, error.problems)
+                self.content = found.content
+                self.problems += found.problems
+                self.fit = found.fit or self.fit
                 if key not in self.content:
                     self.unread.add(key)
         return self

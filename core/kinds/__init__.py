@@ -1,9 +1,8 @@
-"""The kinds of study, each the record of its own package, and what holds for the results of all."""
+"""The kinds of study, each the record of its own module, and what holds for the results of all."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
-from vibrafeed.core import calibrate, motion, optimise, sensitivity, sweep
 from vibrafeed.core.deferred import Exported, lazily
 
 if TYPE_CHECKING:
@@ -47,11 +46,11 @@ __all__ = [
 KINDS: "Final[Mapping[str, Kind]]" = Exported(
     "KIND",
     {
-        "sweep": sweep,
-        "simulate": motion,
-        "optimise": optimise,
-        "sensitivity": sensitivity,
-        "calibrate": calibrate,
+        "sweep": "vibrafeed.core.sweep.kind",
+        "simulate": "vibrafeed.core.motion.simulate",
+        "optimise": "vibrafeed.core.optimise.optima",
+        "sensitivity": "vibrafeed.core.sensitivity.sampling",
+        "calibrate": "vibrafeed.core.calibrate.estimate",
     },
 )
 """Every kind of study, by the value of its key `kind`."""

@@ -23,6 +23,7 @@ from vibrafeed.core.plan.evaluate import empty_results, evaluate, evaluate_at_on
 from vibrafeed.core.plan.labels import coordinates_of
 from vibrafeed.core.plan.plan import Plan
 from vibrafeed.core.plan.prepared import Prepared
+from vibrafeed.core.plan.program import even_length
 from vibrafeed.core.system import cores
 from vibrafeed.core.watch import Watch
 
@@ -160,8 +161,7 @@ def chunks_of(
     shape, room, chunks = prepared.grid.shape, cells, dict[str, tuple[int, ...]]()
     for dim in (*(d for d in reversed(field.dims) if d in set(whole)), *reversed(field.dims)):
         if dim not in chunks:
-            parts = -(-shape[dim] // max(1, min(shape[dim], room)))
-            step = -(-shape[dim] // parts)
+            step = even_length(shape[dim], room)
             starts = range(0, shape[dim], step)
             chunks[dim] = tuple(min(step, shape[dim] - start) for start in starts)
             room //= step

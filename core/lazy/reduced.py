@@ -134,19 +134,10 @@ class Reduced(Prepared):
         """The length of each dimension."""
         return {**self.grid.shape, QUANTILE: len(self.asked.quantiles)}
 
-    @cached_property
-    def _points(self) -> list[int]:
-        return [math.prod(self.sizes[dim] for dim in dims) for dims in self.dims.values()]
-
     @property
     def stored(self) -> int:
         """The number of points of the largest variable."""
-        return max(self._points)
-
-    @property
-    def bytes(self) -> int:
-        """The bytes of the result, uncompressed."""
-        return 8 * sum(self._points)
+        return max(math.prod(self.sizes[dim] for dim in dims) for dims in self.dims.values())
 
     @property
     def cut_axes(self) -> tuple[str, ...]:

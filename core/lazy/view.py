@@ -72,17 +72,13 @@ class ZarrView:
         array = self._arrays[self._find(key)[0]]
         return math.prod(array.chunks) * array.dtype.itemsize
 
-    def _counts(self, name: str) -> tuple[int, ...]:
-        array = self._arrays[name]
-        return tuple(-(-n // c) for n, c in zip(array.shape, array.chunks, strict=True))
-
     def _find(self, key: str) -> tuple[str, tuple[int, ...]]:
         """Return the array and the position of the chunk that a key means."""
         name, _, rest = key.partition("/")
         found = _CHUNK.fullmatch(rest)
         if name in self._arrays and found is not None:
             index = tuple(map(int, found[1].split("/")[1:]))
-            counts = self._counts(name)
+            counts = self._arrays[name].cdata_shape
             if len(index) == len(counts) and all(map(operator.lt, index, counts)):
                 return name, index
         raise KeyError(key)

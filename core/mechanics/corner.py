@@ -67,12 +67,6 @@ Direction = tuple[Array, Array]
 """Sine and cosine of an angle."""
 
 
-def direction_of(rise: Array, run: Array) -> Direction:
-    """Return sine and cosine of atan2(rise, run)."""
-    hypotenuse = np.hypot(rise, run)
-    return rise / hypotenuse, run / hypotenuse
-
-
 # --- geometry and motion
 
 

@@ -304,15 +304,6 @@ class RollingContact(NamedTuple):
         """True where the part leaves the floor."""
         return np.asarray(np.abs(self.normal) > self.load)
 
-    def at_ends(self, sign: float) -> tuple[Array, Array]:
-        """Return push along the track and load on the floor at a peak of the drive [1].
-
-        Both are accelerations over gravity.
-
-        `sign` is 1 where the drive is at its peak, -1 where it is opposite.
-        """
-        return sign * self.along - self.uphill, self.load - sign * self.normal
-
     @property
     def traction(self) -> tuple[Array, Array]:
         """Bounds of the friction that rolling takes: the largest in a period, at least and at most.
@@ -323,8 +314,8 @@ class RollingContact(NamedTuple):
         that its ends count. Infinite where the part leaves the floor.
         """
         least, most = np.zeros(()), np.zeros(())
-        for sign in (1.0, -1.0):
-            push, load = self.at_ends(sign)
+        for sign in (1.0, -1.0):  # at the peak of the drive, and opposite
+            push, load = sign * self.along - self.uphill, self.load - sign * self.normal
             carried = np.where(load > 0, load, 1.0)
             resisted = self.factor * self.resistance + self.drag / carried
             ends = np.abs(push) / carried

@@ -27,7 +27,7 @@ from vibrafeed.core.plan.prepared import Chosen, Prepared, broken_constraints, p
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.plate import TURNS
 from vibrafeed.core.scenes import Scene
-from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, SimulateStudy
+from vibrafeed.core.study.sweep_and_simulate import MAX_PERIODS, MotionSettings, SimulateStudy
 from vibrafeed.core.study.values import Fixed
 
 ERROR = "conveying_velocity_error"
@@ -130,7 +130,8 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
     return (driven(scene, shape) if shape else scene), method, problems
 
 
-def _problems_of_settings(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
+def problems_of_settings(study: MotionSettings, scene: Scene, method: str) -> Iterable[Problem]:
+    """Yield a problem for each setting of a study that its method does not use."""
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     for name in study.settings():
         if name not in needed:
@@ -161,7 +162,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     if study.trajectory is not None:  # its way back to metres and seconds has to be planned
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
     problems = [
-        *_problems_of_settings(study, scene, method),
+        *problems_of_settings(study, scene, method),
         *_problems_of_trajectory(study, scene, method),
         *_problems_of_reduction(study),
     ]

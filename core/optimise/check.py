@@ -34,7 +34,7 @@ from vibrafeed.core.optimise.problem import (
     columns,
 )
 from vibrafeed.core.optimise.search import filled, most_reliable
-from vibrafeed.core.optimise.uncertain import judged_afresh
+from vibrafeed.core.optimise.uncertain import judged_afresh, some
 from vibrafeed.core.plan.grid import to_si
 from vibrafeed.core.plan.labels import Sample, coordinates_of, global_attributes, sample_of
 from vibrafeed.core.plan.pieces import Computed
@@ -119,8 +119,7 @@ def _value(
     problem: OptimisationProblem, name: str, optima: Optima, design: Mapping[str, Array]
 ) -> Array:
     lost = np.isnan(optima.x).any(axis=0)
-    x = np.where(lost, problem.lower[:, None], optima.x)
-    value = problem.output(name, problem.known(x, design))
+    value = problem.output(name, problem.known(some(problem, optima.x), design))
     return np.where(lost, np.nan, np.broadcast_to(value, lost.shape))
 
 
@@ -311,7 +310,7 @@ def _better(
     here = dict(_slack(problem, here, scales))
     optima = METHODS[rival].solve(problem, here, scales, watch)
     lost = np.isnan(optima.x).any(axis=0)
-    x = np.where(lost, problem.lower[:, None], optima.x)
+    x = some(problem, optima.x)
     theirs, beyond, _ = problem.judged(x, here, scales)
     sound = ~lost & (beyond <= METHODS[rival].tolerance)
     if problem.uncertain is not None:

@@ -138,12 +138,10 @@ class Optimisation(Prepared):
         """Return the study restricted to a part of its designs."""
         return replace(self, grid=self.grid.within(box), designs=self.designs.within(box))
 
-    @property
-    def bytes(self) -> int:
-        """The bytes of the result, uncompressed."""
+    def width(self, name: str) -> int:
+        """Return the bytes of one stored value of a variable."""
         flags = (*FLAGS, *self.plan.verdict_names)
-        short = sum(name in flags or name.startswith("binds_") for name in self.units)
-        return self.cells * (8 * (len(self.units) - short) + short)
+        return 1 if name in flags or name.startswith("binds_") else 8
 
 
 # --- the variables of the result

@@ -223,7 +223,8 @@ class LoopWriter:
 
     def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
         plain, rows = self._enter(level)
-        lines = self._outside_row(level, arrays, plain)
+        lines = [self._taken(one) for one in arrays if self.order.level(one) == level]
+        lines += [f"t{node.number} = {self._step(node)}" for node in plain]
         if level == self.deepest:
             stored = [f"o{k}_[i] = {self._term(one)}" for k, one in enumerate(self.results)]
             lines += [*self._starts(), *_along([*self._steps(rows), *stored]), "done += cells"]
@@ -236,10 +237,6 @@ class LoopWriter:
         self.here = {node.number for node in here}
         plain = [node for node in here if not self._is_row(node)]
         return plain, [node for node in here if self._is_row(node)]
-
-    def _outside_row(self, level: int, arrays: Sequence[Node], plain: Sequence[Node]) -> list[str]:
-        lines = [self._taken(one) for one in arrays if self.order.level(one) == level]
-        return lines + [f"t{node.number} = {self._step(node)}" for node in plain]
 
     def _taken(self, node: Node) -> str:
         turns = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}

@@ -1,6 +1,6 @@
 """The record of a kind of study, and carrying out a study in pieces.
 
-The package of a kind exports its record as `KIND`.
+A module of the kind's package holds its record as `KIND`.
 
 A piece is a part of the grid. What is computed of it does not depend on the other pieces, so that
 they may be computed anywhere, in any order, and again.

@@ -125,7 +125,11 @@ class Prepared:
     @property
     def bytes(self) -> int:
         """The bytes of the stored outputs, uncompressed."""
-        return sum(self.grid.size(dims) * self.width(name) for name, dims in self.dims.items())
+        sizes = self.sizes
+        return sum(
+            self.width(name) * math.prod(sizes[dim] for dim in dims)
+            for name, dims in self.dims.items()
+        )
 
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""

@@ -100,19 +100,16 @@ def _read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> list[
     for body in BODIES:
         length = value("length", body)
         if f"width_{body}" in dataset.coords:
-            points = _rectangle(length, value("width", body), np.radians(value("angle", body)))
+            angle = np.radians(value("angle", body))
+            along = np.array([np.cos(angle), np.sin(angle), 0.0]) * length / 2
+            across = np.array([-np.sin(angle), np.cos(angle), 0.0]) * value("width", body) / 2
+            points = np.array([along + across, across - along, -along - across, along - across])
         else:
             angles = (np.radians(value(name, body)) for name in ("azimuth", "elevation"))
             points = _cylinder(length, value("diameter", body), *angles)
         centre = vector("position", body)
         bodies.append(Outline(MILLI * (centre + points), MILLI * centre, vector("velocity", body)))
     return bodies
-
-
-def _rectangle(length: float, width: float, angle: float) -> Array:
-    along = np.array([np.cos(angle), np.sin(angle), 0.0]) * length / 2
-    across = np.array([-np.sin(angle), np.cos(angle), 0.0]) * width / 2
-    return np.array([along + across, across - along, -along - across, along - across])
 
 
 def _cylinder(length: float, diameter: float, azimuth: float, elevation: float) -> Array:

@@ -77,7 +77,9 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     facts = list(speed.fixed)
     if {axis.name for axis in speed.axes} == set(POSITIONS):
         panel.set_aspect("equal")
-        facts = [*_spreads(components), *facts]
+        mean = float(np.nanmean(divergence(components)))
+        way = "spreads" if mean > 0 else "centres"
+        facts = [f"{way} parts: divergence {number(mean, 2)} 1/s", *facts]
     return finish(
         figure, panel, style, name=options.title or "Velocity over the plate",
         facts=facts, source=source_of(dataset), entries=[],
@@ -91,8 +93,3 @@ def divergence(components: list[Selection]) -> Array:
         axis = one.variable.get_axis_num(place)
         total = total + np.gradient(one.variable.values, one.variable[place].values, axis=axis)
     return np.asarray(total)
-
-
-def _spreads(components: list[Selection]) -> list[str]:
-    mean = float(np.nanmean(divergence(components)))
-    return [f"{'spreads' if mean > 0 else 'centres'} parts: divergence {number(mean, 2)} 1/s"]

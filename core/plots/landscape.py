@@ -16,9 +16,8 @@ from matplotlib.patches import Patch
 
 from vibrafeed.core.dataset.table import quantity_attributes
 from vibrafeed.core.intake import parse_json
-from vibrafeed.core.optimise import Optimisation
 from vibrafeed.core.optimise.optima import designs_of
-from vibrafeed.core.optimise.optimisation import criterion_in_words
+from vibrafeed.core.optimise.optimisation import Optimisation, criterion_in_words
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import STATUS, Kept, OptimisationProblem, chosen_cells
 from vibrafeed.core.optimise.uncertain import BLOCK, pictured
@@ -59,8 +58,7 @@ from vibrafeed.core.plots.style import (
 )
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.quantity import in_sentence
-from vibrafeed.core.study import OptimiseStudy
-from vibrafeed.core.study.optimise_study import Pareto
+from vibrafeed.core.study.optimise_study import OptimiseStudy, Pareto
 from vibrafeed.core.study.shown import ShownUnits
 
 POINTS = {1: 721, 2: 181}  # points along each variable, by the number of variables

@@ -38,8 +38,8 @@ from vibrafeed.core.plots.style import (
 )
 from vibrafeed.core.quantities import QUANTITIES
 from vibrafeed.core.quantities.pictures import FILLS
-from vibrafeed.core.study import SimulateStudy
 from vibrafeed.core.study.shown import ShownUnits
+from vibrafeed.core.study.sweep_and_simulate import SimulateStudy
 
 TIME = "cycle_time"
 WALL = "distance_from_wall"

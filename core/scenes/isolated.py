@@ -134,7 +134,8 @@ def corner_angle(*, height: Array, length: Array) -> Array:
 
 def corner_direction(*, height: Array, length: Array) -> Direction:
     """Return sine and cosine of zeta."""
-    return corner.direction_of(height, length)
+    hypotenuse = np.hypot(height, length)
+    return height / hypotenuse, length / hypotenuse
 
 
 def half_diagonal(*, height: Array, length: Array) -> Array:

@@ -283,7 +283,11 @@ def equations(shape: str, part: MeshPart) -> tuple[Equation, ...]:
 
     `shape` is a key of `ASPECTS`, or `MESH` of a `part`.
     """
-    own = _of_mesh(part) if shape == MESH else _of_shape(shape)
+    if shape == MESH:
+        own = _of_mesh(part)
+    else:
+        sizes = Equation("aspect_sizes", SIZES[shape], LINE)
+        own = (*shares_of(shape), sizes, *passed_shares_of(shape))
     return (*own, *counted(aspects_of(shape, part)), *RESULTS)
 
 
@@ -300,14 +304,6 @@ def counted(aspects: int) -> tuple[Equation, ...]:
     return (
         Equation("drop_count", orienting.posterior_count, TEST, needs=counts),
         Equation("counted_shares", orienting.posterior_shares, TEST, needs=counts),
-    )
-
-
-def _of_shape(shape: str) -> tuple[Equation, ...]:
-    return (
-        *shares_of(shape),
-        Equation("aspect_sizes", SIZES[shape], LINE),
-        *passed_shares_of(shape),
     )
 
 

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
-from math import prod
 from typing import Any
 
 import numpy as np
@@ -175,13 +174,6 @@ class Sensitivity(Prepared):
         quantiles = len(self.study.quantiles)
         more = {UNCERTAIN: len(self.uncertain), QUANTILE: quantiles, LEVEL: LEVELS}
         return {**more, **self.grid.shape}
-
-    @property
-    def bytes(self) -> int:
-        """The bytes of the result, uncompressed."""
-        sizes = self.sizes
-        each = (prod(sizes[dim] for dim in one.dims) for one in self.result_variables.values())
-        return self.cells * (8 * sum(each) + 1)
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Return values unchanged: they are computed in the units of files."""

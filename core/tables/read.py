@@ -1,7 +1,7 @@
 """Tables in text, workbooks and files of recorders, read by one reader."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -94,24 +94,18 @@ def _parted(lines: Lines, section: str) -> InputTable:
     names = header or [str(number) for number in range(1, width + 1)]
     above = rows[:start]
     labels = {cells[0].strip(): cells[1:] for _, cells in above if cells}
-    units = units or _units_of_labview(labels, names)
+    if not units:  # LabVIEW has none of its times
+        rest = iter(labels.get("Y_Unit_Label", []))
+        units = ["" if name == "X_Value" else next(rest, "") for name in names]
+    step = number_and_unit((labels.get("Delta_X") or [""])[0])
+    seconds = float(step[0].replace(",", ".")) if step else 0.0
     note = "\n".join(" ".join(cells) for _, cells in above if cells[: len(header)] != header)
-    return _table(names, units, body, lines.separator, note, section, _step_of_labview(labels))
+    return _table(names, units, body, lines.separator, note, section, seconds)
 
 
 def _filled(cells: Sequence[str]) -> int:
     # A recorder may end its lines with separators.
     return next((k for k in range(len(cells), 0, -1) if cells[k - 1].strip()), 0)
-
-
-def _units_of_labview(labels: Mapping[str, list[str]], names: list[str]) -> list[str]:
-    units = iter(labels.get("Y_Unit_Label", []))
-    return ["" if name == "X_Value" else next(units, "") for name in names]
-
-
-def _step_of_labview(labels: Mapping[str, list[str]]) -> float:
-    found = number_and_unit((labels.get("Delta_X") or [""])[0])
-    return float(found[0].replace(",", ".")) if found else 0.0
 
 
 def _first_of_body(rows: list[Row]) -> int | None:

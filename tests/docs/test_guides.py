@@ -134,7 +134,7 @@ GUIDES: dict[str, tuple[str, list[str]]] = {
         "tests/fast/core/scenes/test_ball_on_plane.py", "configs/ball-on-plane.toml",
     ]),
     "A kind of study": (KIND, [
-        "core/mean/__init__.py", "core/mean/kind.py", "core/kinds/__init__.py",
+        "core/mean.py", "core/kinds/__init__.py",
         "tests/fast/core/test_mean.py",
     ]),
     "A picture": (PICTURE, ["core/plots/histogram.py", "core/plots/pictures.py"]),

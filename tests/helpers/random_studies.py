@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vibrafeed.core.intake import load_study
-from vibrafeed.core.study import Study
+from vibrafeed.core.study.grid_study import Study
 
 ROOT = Path(__file__).parents[2]
 KINDS = ("sweep", "simulate", "optimise", "sensitivity")

@@ -5,8 +5,8 @@ import time
 import pytest
 
 import vibrafeed
-from vibrafeed.core import optimise
 from vibrafeed.core.intake import parse_study
+from vibrafeed.core.optimise import reach
 from vibrafeed.core.watch import Watch
 
 STUDY = {
@@ -30,7 +30,7 @@ def test_a_wider_choice_keeps_what_it_promises():
     """No line of a drive gives 50 mm/s without a hop: an ellipse does, more friction does not."""
     limits = [STUDY["constraints"][0], {"output": "conveying_velocity", "lower": "14 mm/s"}]
     ways, slower = (
-        optimise.ways(parse_study({**STUDY, "constraints": one}))
+        reach.ways(parse_study({**STUDY, "constraints": one}))
         for one in (STUDY["constraints"], limits)
     )
     assert all("friction" not in one.change for one in ways)
@@ -46,7 +46,7 @@ def test_a_wider_choice_keeps_what_it_promises():
 
 def test_each_limit_is_reached_as_far_as_the_others_allow():
     done = []
-    throw, speed = optimise.nearest(parse_study(STUDY), Watch(done.append))
+    throw, speed = reach.nearest(parse_study(STUDY), Watch(done.append))
     assert sum(done) == pytest.approx(1.0)
     assert (throw.output, speed.output) == ("throw_number", "conveying_velocity")
     # The same by two other studies: the fastest without a hop, the gentlest with 50 mm/s.
@@ -67,14 +67,14 @@ def test_each_limit_is_reached_as_far_as_the_others_allow():
 
 def test_the_search_ends_at_its_deadline():
     late = Watch(deadline=time.monotonic())
-    assert optimise.nearest(parse_study(STUDY), late) == []
-    assert optimise.ways(parse_study(STUDY), late) == []
+    assert reach.nearest(parse_study(STUDY), late) == []
+    assert reach.ways(parse_study(STUDY), late) == []
 
 
 def test_what_has_no_line_or_is_no_search_has_no_wider_choice():
     other = {**STUDY, "variables": {"friction": {"lower": 0.1, "upper": 0.5}}}
     other["parameters"] = {"frequency": "50 Hz", "amplitude": "0.1 mm", "beta": 20, "gamma": 3}
-    assert all("ellip" not in one.change for one in optimise.ways(parse_study(other)))
+    assert all("ellip" not in one.change for one in reach.ways(parse_study(other)))
     sweep = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["throw_number"],
              "parameters": {"frequency": 50, "amplitude": 1e-3, "beta": 20}}  # fmt: skip
-    assert optimise.nearest(parse_study(sweep)) == optimise.ways(parse_study(sweep)) == []
+    assert reach.nearest(parse_study(sweep)) == reach.ways(parse_study(sweep)) == []

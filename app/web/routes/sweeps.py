@@ -67,7 +67,7 @@ from vibrafeed.app.web.tables import (
 )
 from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.plan.prepared import Prepared
-from vibrafeed.core.study import SweepStudy
+from vibrafeed.core.study.sweep_and_simulate import SweepStudy
 from vibrafeed.core.sweep.slice import SliceCut, compute_slice, prepare_cut, table_of
 
 router = Router(prefix="/sweeps", tags=["sweeps"])

@@ -258,3 +258,6 @@ def test_studies_that_are_right_run_although_others_are_wrong(here):
     tells("run a.toml b.toml c.json --keep-going --dry-run", "10 cells", "'kg' does", code=2)
     tells("run a.toml b.toml c.json --keep-going", "b.toml: error: 1 problem", code=2)
     assert sorted(path.name for path in here.glob("*.nc")) == ["a.nc", "c.nc"]
+    told = run("run a.toml b.toml --keep-going --dry-run --json", code=2)
+    (refused,) = json.loads(told.stdout)["refused"]
+    assert (refused["study"], refused["errors"][0]["place"]) == ("b.toml", "parameters.frequency")

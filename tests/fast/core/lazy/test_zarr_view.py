@@ -16,7 +16,7 @@ from vibrafeed.core.kinds import tabulate
 from vibrafeed.core.kinds.results import outline
 from vibrafeed.core.lazy.view import ZarrView
 from vibrafeed.core.study.values import Points, Span
-from vibrafeed.core.sweep import Sweep
+from vibrafeed.core.sweep.kind import Sweep
 
 CONFIGS = Path(__file__).parents[4] / "configs"
 SWEEPS = {

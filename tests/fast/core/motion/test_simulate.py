@@ -11,10 +11,10 @@ from refusals import told_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study, tabulate
-from vibrafeed.core.motion import SYSTEMS, events
+from vibrafeed.core.motion import events
 from vibrafeed.core.motion.feeding import effective_distance, parts_per_minute, velocity_for
 from vibrafeed.core.motion.plate import PLATE
-from vibrafeed.core.motion.systems import CONTACTS
+from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
 from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.watch import Watch

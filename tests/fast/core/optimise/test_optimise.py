@@ -10,8 +10,8 @@ import vibrafeed
 from night import spread
 from vibrafeed.core.intake import load_study, parse_study, prepare_content
 from vibrafeed.core.kinds import run_study, tabulate
-from vibrafeed.core.optimise import METHODS
 from vibrafeed.core.optimise.check import knee
+from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.optimisation import BINDS
 from vibrafeed.core.optimise.problem import STATUS
 from vibrafeed.core.plots import landscape

@@ -7,9 +7,9 @@ import pytest
 
 import vibrafeed
 from robust_units import optimum, units_of
-from vibrafeed.core import optimise
 from vibrafeed.core.intake import prepare_content
 from vibrafeed.core.kinds import tabulate
+from vibrafeed.core.optimise.reach import nearest
 from vibrafeed.core.optimise.uncertain import NODES, uncertain_of
 from vibrafeed.core.study.distributions import read_distribution
 from vibrafeed.core.study.values import Between
@@ -124,7 +124,7 @@ def test_the_nearest_approach_of_a_robust_study_is_that_of_all_units():
     )
     limit = [{"output": "track_amplitude", "lower": 0.8e-3}]
     asked = {"criterion": power, "constraints": limit, "robust": "quantile", "quantile": 0.5}
-    (reach,) = optimise.nearest(prepare_content({**study, **asked}).study)
+    (reach,) = nearest(prepare_content({**study, **asked}).study)
     worst = tabulate(prepare_content({**study, "robust": "worst", "criterion": amplitude}))
     assert reach.value == pytest.approx(float(worst.variables["objective"].values), rel=1e-9)
     assert reach.value < 0.8e-3

@@ -12,7 +12,7 @@ from vibrafeed.core.errors import LimitError, SceneError, StudyError
 from vibrafeed.core.intake import parse_study, prepare_content
 from vibrafeed.core.intake.part import read_part
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.motion import SYSTEMS
+from vibrafeed.core.motion.systems import SYSTEMS
 from vibrafeed.core.plan.evaluate import empty_results, evaluate_in_blocks
 from vibrafeed.core.plan.plan import scene_parameters
 from vibrafeed.core.quantities import FLAGS, QUANTITIES, REGIMES

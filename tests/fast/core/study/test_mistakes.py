@@ -132,8 +132,8 @@ def test_unusual_numbers_are_asked_about(name, typed, told):
         ("study.toml", json.dumps(PLANE),
          "this is JSON, and its name ends in .toml. Name it study.json."),
         ("study.toml", "beta = 20 deg", "it is not TOML: Expected newline or end of "
-         "document after a statement (at line 1, column 11). Fix the syntax there: texts, such as "
-         '"20 deg", stand in quotes.'),
+         "document after a statement (at line 1, column 11). Fix the syntax there: put texts, such "
+         'as "20 deg", in quotes.'),
         ("study.json", "{", "it is not JSON: Expecting property name enclosed in double "
          "quotes: line 1 column 2 (char 1). Fix the syntax there."),
         ("study.nc", "", "it is a result, not a study. Draw it with `vibrafeed plot`, or "

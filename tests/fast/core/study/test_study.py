@@ -12,9 +12,8 @@ from refusals import problems_of
 from vibrafeed.core.errors import StudyError
 from vibrafeed.core.intake import parse_json, parse_study, parse_toml, prepare_content
 from vibrafeed.core.quantities import QUANTITIES
-from vibrafeed.core.study import Fixed
 from vibrafeed.core.study.grid_study import PARAMETERS
-from vibrafeed.core.study.values import read_values
+from vibrafeed.core.study.values import Fixed, read_values
 
 PLANE = {
     "kind": "sweep",
