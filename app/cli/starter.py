@@ -181,17 +181,12 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
             _say(table, question.says)
             value = parse_typed(answers[question.name])
             if question.values > 1:
-                value = _range(value, question.values)
+                span = tomlkit.inline_table()
+                span.update({"start": 0, "stop": value, "num": question.values})
+                value = span
             table.add(question.parameter, value)
     document.add("parameters", table)
     return tomlkit.dumps(document)
-
-
-def _range(stop: Any, count: int) -> Any:
-    """Return a TOML table for a parameter with `count` values from 0 to `stop`."""
-    table = tomlkit.inline_table()
-    table.update({"start": 0, "stop": stop, "num": count})
-    return table
 
 
 TABLES_SAY: Final = {

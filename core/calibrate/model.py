@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.motion.feeding import feed_rate
@@ -319,13 +318,8 @@ class Model:
         log: Array = np.zeros(len(points))
         for k, one in enumerate(self.unknowns):
             log = log + one.log_prior(points[:, k])
-        frictions = [self._friction(name, points) for name in STATIC_ABOVE_KINETIC.parameters]
-        static, kinetic = frictions
+        known = {**self.shared, **dict(zip(self.names, points.T, strict=True))}
+        static, kinetic = map(known.get, STATIC_ABOVE_KINETIC.parameters)
         if static is not None and kinetic is not None:
             log = np.where(static >= kinetic, log, -np.inf)
         return log
-
-    def _friction(self, name: str, points: Array) -> NDArray[np.float64] | float | None:
-        if name in self.names:
-            return points[:, self.names.index(name)]
-        return self.shared.get(name)
