@@ -202,11 +202,12 @@ class Draft:
         return names or PARAMETERS
 
     def _objections(self, known: StudyError) -> list[Problem]:
-        kind, drive = self.kind, self.content.get("drive")
-        if isinstance(drive, Mapping) and "samples" in drive:
-            return []  # a recording that is followed once is no matter of names
+        kind = self.kind
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
             return []
+        drive = self.content.get("drive")
+        if isinstance(drive, Mapping) and "samples" in drive:
+            return []  # a recording that is followed once is no matter of names
         sections = {key: section for key, section in SECTIONS.items() if key in _keys_of(kind)}
         outputs = [*self._outputs(kind)]
         scene, problems = self.content.get("scene"), list[Problem]()
