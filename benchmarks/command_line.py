@@ -47,7 +47,7 @@ Cost = tuple[float, float]
 
 
 def study_of(page: str, kind: str) -> str:
-    """Return the first study of a kind on a page."""
+    """Return the first study of a kind, or with a criterion of that kind, on a page."""
     blocks = (ROOT / page).read_text().split("```toml\n")[1:]
     return next(block.split("```")[0] for block in blocks if f'kind = "{kind}"' in block)
 
@@ -78,7 +78,7 @@ def first_minute() -> dict[str, Cost]:
         studies = {
             "simulation of the README": study_of("README.md", "simulate"),
             "sweep of the README": study_of("README.md", "sweep"),
-            "optimum of docs/optimise.md": study_of("docs/optimise.md", "optimise"),
+            "optimum of docs/optimise.md": study_of("docs/optimise.md", "limit"),
         }
         for label, text in studies.items():
             (home / "study.toml").write_text(text)

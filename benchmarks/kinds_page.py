@@ -1,14 +1,10 @@
-"""`python -m benchmarks.kinds_page` writes docs/generated/kinds.md from the records of kinds."""
+"""The page of the site on kinds of study, from their records: docs/generated/kinds.md."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 from vibrafeed.core.intake.forms import to_toml
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.pieces import Kind
-
-PAGE = Path(__file__).parents[1] / "docs" / "generated" / "kinds.md"
 
 
 def page() -> str:
@@ -16,11 +12,11 @@ def page() -> str:
     lines = [
         "# Kinds of study",
         "",
-        "Written by `python -m benchmarks.kinds_page` from the records of `core/kinds`. A kind is",
+        "This page is written from the records of `core/kinds`. A kind is",
         "the value of the key `kind`, a process of the service and a function of `vibrafeed`;",
         "`vibrafeed new --kind NAME` writes its example.",
         "",
-        "| kind | what it does |",
+        "| kind | purpose |",
         "| --- | --- |",
         *(f"| [`{name}`](#{name}) | {kind.title} |" for name, kind in KINDS.items()),
     ]
@@ -48,8 +44,3 @@ def _section(kind: Kind) -> list[str]:
         to_toml(kind.example).rstrip(),
         "```",
     ]
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
-    print(f"wrote {PAGE.name}")

@@ -1,6 +1,6 @@
-"""`python -m benchmarks.mistakes_page` makes mistakes, and writes what is said of each.
+"""The page of the site on mistakes and their messages: docs/generated/mistakes.md.
 
-The page is docs/generated/mistakes.md. Each mistake is made in a folder of its own by the command
+Each mistake is made in a folder of its own by the command
 line, or in Python, and has to get one message.
 """
 
@@ -17,8 +17,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from typer.testing import CliRunner
-
-PAGE = Path(__file__).parents[1] / "docs" / "generated" / "mistakes.md"
 
 MOTION = """\
 kind = "simulate"
@@ -209,12 +207,12 @@ def _folder() -> Iterator[None]:
 def page() -> str:
     """Return the text of the page on mistakes."""
     lines = [
-        "# Mistakes, and what is said of them",
+        "# Error messages",
         "",
-        "Written by `python -m benchmarks.mistakes_page`, which makes each of them. What is no",
-        "command stands in `study.toml`, beside lines that are right, and is checked by",
+        "A program makes each of these mistakes and writes the message. Lines that are not",
+        "commands are in an otherwise correct `study.toml`, checked by",
         "`vibrafeed run study.toml --dry-run`. The line before a message, which names the file and",
-        "counts its problems, is left out here. A number that is asked about runs all the same.",
+        "counts its problems, is left out. Questions about a number are warnings; the study runs.",
     ]
     number = 0
     for group, rows in made().items():
@@ -230,8 +228,3 @@ def page() -> str:
 def _cell(text: str) -> str:
     """Return a text for a table cell."""
     return text.replace("|", "\\|")
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
-    print("wrote", PAGE.name)

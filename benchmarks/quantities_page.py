@@ -1,13 +1,10 @@
-"""`python -m benchmarks.quantities_page` writes docs/generated/quantities.md from declarations."""
+"""The page of the site on quantities, from their declarations: docs/generated/quantities.md."""
 
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 from vibrafeed.core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES, WORD_OF, Quantity
-
-PAGE = Path(__file__).parents[1] / "docs" / "generated" / "quantities.md"
 
 
 def page() -> str:
@@ -15,7 +12,7 @@ def page() -> str:
     lines = [
         "# Quantities and regimes",
         "",
-        "Written by `python -m benchmarks.quantities_page` from `core/quantities`.",
+        "This page is written from `core/quantities`.",
         "",
         "## Parameters",
         "",
@@ -66,8 +63,3 @@ def _bounds(quantity: Quantity) -> str:
     )
     most = "" if math.isinf(quantity.upper) else f"≤ {quantity.upper:g}"
     return ", ".join(part for part in (least, most) if part)
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
-    print(f"wrote {PAGE.name}")

@@ -2,7 +2,7 @@
 
 `python -m benchmarks.validation_engines` runs those that are installed beside this project;
 `--python siconos=/usr/bin/python3` names the Python in which another one is. It writes
-docs/generated/validation-engines.json and .png, which `python -m benchmarks.validation_page` shows.
+docs/generated/validation-engines.json and .png, for `python -m benchmarks.known_answers_page`.
 """
 
 from __future__ import annotations

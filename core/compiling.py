@@ -54,7 +54,7 @@ stopwatch = Stopwatch()
 """That of this process."""
 
 ONCE = "compiling once, some seconds; it is kept"
-"""What is said to who waits; docs/performance.md has the seconds."""
+"""The message to a waiting user; docs/performance.md has the seconds."""
 
 
 @contextmanager

@@ -6,6 +6,8 @@ from collections.abc import Generator
 
 import pytest
 
+pytest.register_assert_rewrite("ledger_laws")
+
 # `scripts/test` has compiled everything: services that tests start need not look.
 os.environ.setdefault("VIBRAFEED_WARM_AT_START", "false")
 
@@ -23,3 +25,9 @@ def pytest_collection() -> Generator[None, object, object]:
     finally:
         gc.freeze()
         gc.set_threshold(*thresholds)
+
+
+@pytest.fixture
+def anyio_backend() -> str:
+    """Run tests that are coroutines by asyncio, as the service does."""
+    return "asyncio"

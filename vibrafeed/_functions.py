@@ -87,7 +87,7 @@ def sweep(
         outputs : names of outputs of the scene
         variant : thesis, derived or physical; the scene's own if left out
         part : a part from a file (docs/which-way-up.md)
-        reduce : statistics over some axes instead of all cells (docs/reduce.md)
+        reduce : statistics over some axes instead of all cells (docs/scale.md)
         sensitivities : derivatives and elasticities, too: True, or parameters
     Numerics
         verify : number of random cells to evaluate again in extended precision
@@ -130,10 +130,10 @@ def simulate(
         `help(vibrafeed)` says how values are written, and what all studies have.
 
     Drive and results
-        drive : a recording of an accelerometer (docs/measured-drives.md)
+        drive : a recording of an accelerometer (docs/measuring.md)
         outputs : names of outputs; the mean `conveying_velocity` if left out
         trajectory : motion of one cell at so many steps, or at these times [s]
-        reduce : statistics over some axes instead of all cells (docs/reduce.md)
+        reduce : statistics over some axes instead of all cells (docs/scale.md)
         sensitivities : derivatives and elasticities, too: True, or parameters
     Numerics
         method : events (exact, the default), or reference to check it
@@ -283,7 +283,7 @@ def calibrate(
     **parameters
         Those common to all runs; `vibrafeed.scene` and `help(vibrafeed)` say more.
 
-    Measurements (docs/calibrate.md)
+    Measurements (docs/friction.md)
         observations : the runs, as mappings, or the name of a CSV or XLSX file
         error : standard deviation of what was measured: number, text or "5 %"
         unknowns : `{"friction": {"lower": 0.1, "upper": 0.6}}`, or mean, deviation

@@ -2,7 +2,7 @@
 
 Every function that returns a dataset imports this module. Who only reads files with xarray imports
 it: ``import vibrafeed.accessor``.
-docs/decisions/2026-11-23-accessor-and-keywords.md says what else was tried.
+docs/decisions/2026-11-23-accessor.md lists the alternatives.
 """
 
 from __future__ import annotations

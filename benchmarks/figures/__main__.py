@@ -1,4 +1,4 @@
-"""Writes docs/thesis.md and draws its pictures: `python -m benchmarks.figures`."""
+"""Writes docs/generated/thesis-figures.md and its pictures: `python -m benchmarks.figures`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from benchmarks.figures.page import FIGURES, PAGE, draw_picture, page
 from benchmarks.figures.studies import PICTURES, is_surface, picture_of
 
 if __name__ == "__main__":
-    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    PAGE.write_text(page(), encoding="utf-8")
     print(f"wrote {PAGE.name}")
     PICTURES.mkdir(exist_ok=True)
     drawn = [number for number in FIGURES if not is_surface(number)]

@@ -1,9 +1,9 @@
-"""The part of docs/thesis.md on the figures, and their pictures."""
+"""The page docs/generated/thesis-figures.md, and its pictures."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from itertools import groupby
 
 from PIL import Image
@@ -11,12 +11,26 @@ from PIL import Image
 from benchmarks.figures import plane, track
 from benchmarks.figures.judgement import Judgement
 from benchmarks.figures.measures import beyond_lift_off, share, wall_pulls
-from benchmarks.figures.studies import ROOT, data, is_surface, path_of, picture_of, study
+from benchmarks.figures.studies import ROOT, data, picture_of, study
 from vibrafeed.core.plots.drawing import draw
+from vibrafeed.core.report import markdown_table
 
-PAGE = ROOT / "docs" / "thesis.md"
-BEGIN = "<!-- Written by `python -m benchmarks.figures`: begin. -->"
-END = "<!-- Written by `python -m benchmarks.figures`: end. -->"
+PAGE = ROOT / "docs" / "generated" / "thesis-figures.md"
+HEAD = """\
+# Figures of the thesis
+
+`python -m benchmarks.figures` evaluates the studies of `configs/figures` in the variant `thesis`,
+judges each claim of [chapter 5](../thesis.md) by the numbers, and writes this page. Percentages are
+shares of cells where the part has left the floor, and where the wall would have to pull.
+
+| verdict | meaning |
+| --- | --- |
+| holds | the printed formula confirms the claim |
+| reproduced | it does so with the numbers of the claim |
+| not reproduced | it does not |
+| artefact beyond lift-off | it does, but only where the part has left the floor |
+| cannot be reproduced | data are missing |
+"""
 
 DPI = 84
 COLOURS = 256  # of a picture's palette
@@ -54,57 +68,31 @@ FIGURES: dict[int, Callable[[], list[Judgement]]] = {
 }
 
 
-def section() -> str:
-    """Return the generated section of the page."""
-    judged = {function: function() for function in dict.fromkeys(FIGURES.values())}
-    return "\n".join([*_overview(judged), *_figures(judged)])
+def page() -> str:
+    """Return the text of the page: a row for each claim, with its figures."""
+    table = markdown_table(("figures", "claim", "verdict", "numbers"), _claims())
+    return "\n".join([HEAD, *table]) + "\n"
 
 
-def _overview(judged: Mapping[Callable[[], list[Judgement]], list[Judgement]]) -> Iterator[str]:
-    """Yield the lines of the overview table."""
-    yield "| figure | shows | scene, output | beyond lift-off | wall pulls | verdict |"
-    yield "| --- | --- | --- | --- | --- | --- |"
-    for number, function in FIGURES.items():
-        track = study(number).scene == "rectangle-on-track"
-        verdicts = "; ".join(dict.fromkeys(judgement.verdict for judgement in judged[function]))
-        yield (
-            f"| [5.{number}](figures/{picture_of(number).name}) | {_subject(number)} | "
-            f"`{study(number).scene}`, `{study(number).outputs[0]}` | "
-            f"{share(beyond_lift_off(number))} | {share(wall_pulls(number)) if track else ''} | "
-            f"{verdicts} |"
-        )
-
-
-def _figures(judged: Mapping[Callable[[], list[Judgement]], list[Judgement]]) -> Iterator[str]:
-    """Yield the lines of the section on each figure."""
+def _claims() -> Iterator[list[str]]:
+    """Yield the cells of each claim; the first one of a figure names it and links its picture."""
     for function, numbers in groupby(FIGURES, FIGURES.__getitem__):
         group = list(numbers)
-        names = " and ".join(f"5.{number}" for number in group)
-        yield f"\n### Figure{'s' * (len(group) > 1)} {names}\n"
-        subject = _subject(group[0]).removesuffix(" (surface)")
-        studies = " and ".join(f"`configs/figures/{path_of(number).name}`" for number in group)
-        yield f"{subject[0].upper()}{subject[1:]}; {studies}.\n"
-        yield "| claim | verdict | numbers |"
-        yield "| --- | --- | --- |"
-        for judgement in judged[function]:
-            cells = (text.replace("|", "\\|") for text in judgement)
-            yield f"| {' | '.join(cells)} |"
-        yield ""
-        for number in group:
-            if not is_surface(number):
-                yield f"![Figure 5.{number}: {_subject(number)}](figures/{picture_of(number).name})"
+        number = group[-1]
+        facts = f"{share(beyond_lift_off(number))} in flight"
+        if study(number).scene == "rectangle-on-track":
+            facts += f", {share(wall_pulls(number))} wall pulls"
+        names = ", ".join(f"5.{one}" for one in group)
+        figures = f"[{names}](../figures/{picture_of(number).name}) {_subject(number)}: {facts}"
+        for judgement in function():
+            yield [figures, *judgement]
+            figures = ""
 
 
 def _subject(number: int) -> str:
     """Return the subject of a figure, from its study's title."""
-    return (study(number).title or "").partition(": ")[2]
-
-
-def page(text: str) -> str:
-    """Return the page's text with its section on figures generated anew."""
-    head, _, rest = text.partition(BEGIN)
-    _, _, tail = rest.partition(END)
-    return f"{head}{BEGIN}\n\n{section()}\n\n{END}{tail}"
+    title = (study(number).title or "").partition(": ")[2]
+    return title.removesuffix(" (contour lines)")
 
 
 def draw_picture(number: int) -> None:

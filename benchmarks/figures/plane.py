@@ -186,7 +186,7 @@ def across_by_friction() -> list[Judgement]:
             HOLDS if 0 < saddle < 1 and ends[0] < 0 < ends[1] else NOT_REPRODUCED,
             f"The surface has a saddle at beta {beta:.2f} deg, friction {saddle:.3f}, at lift-off. "
             f"The slope over friction is {ends[0]:.1f} m/s2 at beta 0 and {ends[1]:.1f} at 90 deg; "
-            f"all that rises with friction lies beyond lift-off.",
+            f"it rises with friction beyond lift-off only.",
         )
     ]
 
@@ -202,12 +202,12 @@ def across_by_frequency() -> list[Judgement]:
         Judgement(
             "Parabolic in frequency, sinusoidal in beta.",
             HOLDS if shape else NOT_REPRODUCED,
-            f"Fits of these shapes leave nothing over. The maximum over beta is at {best:.1f} deg.",
+            f"Fits of these shapes are exact. The maximum over beta is at {best:.1f} deg.",
         ),
         Judgement(
             "Best at small angles, where a_x is high and a_y low.",
             HOLDS if chosen["alpha"][1] <= 20 and chosen["beta"][1] <= 45 else NOT_REPRODUCED,
-            f"At 60 Hz, friction 0.5, the angles that no others beat in both a_x and |a_y| (to 0.1 "
+            f"At 60 Hz, friction 0.5, the best trade-offs of a_x and |a_y| (to 0.1 "
             f"m/s2) are alpha {span(chosen['alpha'], 0)}, beta {span(chosen['beta'])} deg, from "
             f"lift-off on. With the friction disc |a_y| at alpha 0 is "
             f"{float(abs(bare).max()):.0f}: there is no such trade-off.",
@@ -252,7 +252,7 @@ def angular_over_angles() -> list[Judgement]:
         Judgement(
             "Sinusoidal in both angles.",
             HOLDS if shape else NOT_REPRODUCED,
-            f"Fits of this shape leave nothing over. Friction plays "
+            f"Fits of this shape are exact. Friction plays "
             f"{'a' if friction else 'no'} part, and the value is {float(ratio.mean()):.1f} times "
             f"that of the same free body with the inertia about the contact line.",
         )
@@ -267,6 +267,6 @@ def angular_over_frequency() -> list[Judgement]:
         Judgement(
             "Parabolic in frequency, sinusoidal in beta; grows with frequency.",
             HOLDS if shape and rises(turn, "frequency") else NOT_REPRODUCED,
-            "Fits of these shapes leave nothing over; three times too large, as 5.19.",
+            "Fits of these shapes are exact; three times too large, as 5.19.",
         )
     ]

@@ -61,7 +61,7 @@ def velocity_over_elevation() -> list[Judgement]:
             "The maximum lies at A0 0.9 to 1 mm, beta 0 to 25 deg.",
             REPRODUCED if abs(amplitude - 0.9) < 0.02 else NOT_REPRODUCED,
             f"The velocity at 1 mm, 25 deg is {level:.3f} of the largest; at beta 0 this level is "
-            f"reached at {amplitude:.2f} mm. The effective distance plays no part in it.",
+            f"reached at {amplitude:.2f} mm. The effective distance has no effect.",
         ),
         Judgement(
             "Good for beta 0 to 40 deg.",
@@ -125,7 +125,7 @@ def velocity_over_inclination() -> list[Judgement]:
             "The lean delta lowers the velocity slightly.",
             HOLDS if -SLIGHT < printed < 0 else NOT_REPRODUCED,
             f"A lean of 10 deg changes it by {100 * printed:+.2f} % as printed, by "
-            f"{100 * derived:+.2f} % with the sign of the lean corrected: there the claim "
+            f"{100 * derived:+.2f} % with the sign of the lean corrected, where the claim "
             f"{'holds' if -SLIGHT < derived < 0 else 'fails too'}.",
         ),
         Judgement(

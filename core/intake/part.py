@@ -303,7 +303,8 @@ def _faults(solid: "Trimesh", name: str, path: str) -> Iterable[Problem]:
 def _bodies(solid: "Trimesh") -> int:
     from trimesh.graph import connected_component_labels  # as above
 
-    labels = connected_component_labels(solid.face_adjacency, node_count=len(solid.faces))
+    faces = len(solid.faces)
+    labels = connected_component_labels(solid.face_adjacency, node_count=faces)  # type: ignore[no-untyped-call]
     a, b, c = np.moveaxis(solid.triangles - solid.bounds[0], 1, 0)
     volumes = np.bincount(labels, np.einsum("ij,ij->i", a, np.cross(b, c)))
     outer = solid.triangles[labels == volumes.argmax()]

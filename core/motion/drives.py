@@ -392,7 +392,7 @@ def _limit(name: str, axis: str, drive: str) -> Equation:
     )
 
 
-# --- the fastest that any drive along the track conveys a part (docs/best-wave.md)
+# --- the fastest that any drive along the track conveys a part (docs/theory/best-drive.md)
 
 
 def fastest_velocity(

@@ -139,7 +139,7 @@ def row_motion(
 ) -> RowMotion:
     """Return the motion of a row of parts, once it repeats.
 
-    It starts at rest on the track. Parts that rebound from the floor hop each by itself: their rows
+    It starts at rest on the track. Parts that rebound from the floor hop independently: their rows
     are not followed, and have NaN. After `max_periods` a motion counts as aperiodic, or after as
     many more if it still drifts.
     """

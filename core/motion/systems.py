@@ -54,7 +54,7 @@ RESULTS = (
     scales.CONVEYING_VELOCITY_SPREAD,
     scales.CONVEYING_VELOCITY_ERROR,
     Equation("efficiency", scales.efficiency, "theory 13.10"),
-    Equation("share_of_fastest", drives.share_of_fastest, "docs/best-wave.md"),
+    Equation("share_of_fastest", drives.share_of_fastest, "docs/theory/best-drive.md"),
     *fields(
         "motion",
         "theory 13.2",
@@ -148,7 +148,7 @@ SPATIAL_SCALES = (
     *scales.PLANAR_SCALES,
     Equation("drive_number_across", scales.drive_number_across, "theory 13.1"),
     *drives.limits("sine"),
-    Equation("fastest_velocity", drives.fastest_velocity, "docs/best-wave.md"),
+    Equation("fastest_velocity", drives.fastest_velocity, "docs/theory/best-drive.md"),
 )
 LEANING_SCALES = (
     *(e for e in SPATIAL_SCALES if e.gives != "gravity_number_normal"),

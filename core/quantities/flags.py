@@ -136,7 +136,7 @@ REGIMES: dict[str, Flag] = {
     # --- rows of parts
     "blocked": Flag(56, "the stop holds the row"),
     "not_supported": Flag(
-        57, "parts that rebound from the floor hop each by itself: no method follows such a row",
+        57, "parts that rebound from the floor hop independently: such rows are not supported",
         valid=False,
     ),
     # --- drive units

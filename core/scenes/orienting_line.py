@@ -427,11 +427,11 @@ def _turns(position: int, shape: str, aspects: int) -> Constraint:
     )
 
 
-def _aspects_named(shape: str) -> Constraint:
-    names = [f"{place}, {WORDS[name]}" for place, name in enumerate(ASPECTS[shape], 1)]
-    *before, last = (name.replace("`", "") for name in names)
+def _aspects_named(name: str, shape: str) -> Constraint:
+    names = [f"{place}, {WORDS[aspect]}" for place, aspect in enumerate(ASPECTS[shape], 1)]
+    *before, last = (one.replace("`", "") for one in names)
     return Constraint(
-        ("wanted_aspect",),
+        (name,),
         lambda _, largest: largest <= len(names),
         f"a {shape} has the aspects {', '.join(before)}, and {last}",
         f"Give 1 to {len(names)}" if len(names) > 2 else "Give 1 or 2",
@@ -443,7 +443,12 @@ def constraints(part: MeshPart) -> tuple[Constraint, ...]:
     """Return the relations of numbers of aspects to those that each shape, or a `part`, has."""
     shapes = (*SHAPES, MESH)
     turns = (_turns(n, one, aspects_of(one, part)) for n in POSITIONS for one in shapes)
-    return (*turns, *map(_aspects_named, SHAPES), number_of_aspects("wanted_aspect", part))
+    named = ("wanted_aspect", *(f"passed_aspect_{n}" for n in POSITIONS))
+    return (
+        *turns,
+        *(_aspects_named(name, shape) for name in named for shape in SHAPES),
+        *(number_of_aspects(name, part) for name in named),
+    )
 
 
 SCENE = Scene(

@@ -165,7 +165,7 @@ class SimulateStudy(MotionSettings, _Asked):
         "equal steps of its cycle, or at these times in seconds since the start of a period.",
     )
     reduce: Reduction | None = Field(
-        None, description="Statistics over some axes instead of all cells: docs/reduce.md."
+        None, description="Statistics over some axes instead of all cells: docs/scale.md."
     )
 
 
@@ -188,5 +188,5 @@ class SweepStudy(Study):
     )
     sensitivities: Sensitivities = None
     reduce: Reduction | None = Field(
-        None, description="Statistics over some axes instead of all cells: docs/reduce.md."
+        None, description="Statistics over some axes instead of all cells: docs/scale.md."
     )

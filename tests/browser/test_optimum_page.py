@@ -43,7 +43,7 @@ def test_the_design_flies_to_the_best_and_back(page: Page, address: str) -> None
     expect(page.locator("#answer .unit")).to_have_text("mm/s, 6 times as fast")
     expect(page.locator("#picture .flight-way")).to_be_attached()
     expect(page.locator("#picture .mark", has_text="before 49.9")).to_be_visible()
-    row = page.locator(f"{TOLD} table tr", has_text="Angle of")
+    row = page.locator(f"{TOLD} .before tr", has_text="Angle of")
     (before, best) = numbers(row.inner_text())
     assert before == 20
     answer = speed(address, frequency=50, friction=0.3, amplitude="1 mm", beta=best)

@@ -48,7 +48,7 @@ def shown(page):
 
 def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
     page.goto(f"{service.address}/{MOTION}")
-    said = page.locator("#notice p")
+    said = page.locator("#key-form p")
     expect(said).to_have_text("The service needs an access key: enter yours.")
     expect(page.get_by_label("Access key, stored until this tab is closed")).to_be_visible()
     letters = "An access key consists of English letters, digits and punctuation, without spaces."

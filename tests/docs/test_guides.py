@@ -1,4 +1,4 @@
-"""The guides are carried out to the letter: what a page shows is done in a copy of the tree."""
+"""The page on extending is carried out to the letter, in a copy of the tree."""
 
 import os
 import re
@@ -13,8 +13,13 @@ from night import spread
 from vibrafeed.core.kernel_cache import root
 
 ROOT = Path(__file__).parents[2]
-HEADING = re.compile(r"^## The (?:file|line|test|example): `([^`]+)`$", re.MULTILINE)
-BLOCK = re.compile(r"^```(python|diff|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+FILES = ROOT / "examples" / "extending"
+HEADING = re.compile(
+    r"^### The (?:file|line|test|example): \[?`([^`]+)`(?:\]\(\.\./examples/extending/\1\))?$",
+    re.MULTILINE,
+)
+DIFF = re.compile(r"^```diff\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 COMMON = """
 import json
 import vibrafeed
@@ -124,39 +129,39 @@ assert "histogram" in refused(vibrafeed.plot, dataset, kind="histogramm")
 assert "histogram" in said("plot", "--help")
 """
 GUIDES: dict[str, tuple[str, list[str]]] = {
-    "a-scene": (SCENE, [
+    "A scene": (SCENE, [
         "core/scenes/ball_on_plane.py", "core/scenes/__init__.py",
         "tests/fast/core/scenes/test_ball_on_plane.py", "configs/ball-on-plane.toml",
     ]),
-    "a-kind": (KIND, [
+    "A kind of study": (KIND, [
         "core/mean.py", "core/kinds/__init__.py",
         "tests/fast/core/test_mean.py",
     ]),
-    "a-picture": (PICTURE, ["core/plots/histogram.py", "core/plots/pictures.py"]),
-    "a-method": (METHOD, [
+    "A picture": (PICTURE, ["core/plots/histogram.py", "core/plots/pictures.py"]),
+    "A method of motion": (METHOD, [
         "core/motion/midpoint.py", "core/motion/systems.py",
         "tests/fast/core/motion/test_midpoint.py",
     ]),
-    "an-output": (OUTPUT, ["core/quantities/motion.py", "core/motion/feeding.py"]),
+    "An output": (OUTPUT, ["core/quantities/motion.py", "core/motion/feeding.py"]),
 }  # fmt: skip
 
 
 def carry_out(guide: str, tree: Path) -> list[str]:
-    """Do in a tree what a page shows: new files as they stand, and changes of files line by line.
+    """Do in a tree what a section says: whole files that it links, and changes line by line.
 
     Returns the paths, in the page's order.
     """
-    page = (ROOT / "docs" / f"adding-{guide}.md").read_text(encoding="utf-8")
-    _, *parts = HEADING.split(page)
+    section = PAGE.partition(f"\n## {guide}\n")[2].partition("\n## ")[0]
+    _, *parts = HEADING.split(section)
     for path, part in zip(parts[::2], parts[1::2], strict=True):
-        ((language, block),) = BLOCK.findall(part)
         file = tree / path
-        if language == "diff":
-            block = changed(file.read_text(encoding="utf-8"), block)
-        else:
+        if (FILES / path).exists():
             assert not file.exists(), path
             file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(block, encoding="utf-8")
+            shutil.copy(FILES / path, file)
+        else:
+            (diff,) = DIFF.findall(part)
+            file.write_text(changed(file.read_text(encoding="utf-8"), diff), encoding="utf-8")
     return parts[::2]
 
 

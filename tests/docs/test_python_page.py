@@ -9,11 +9,10 @@ from typing import Any
 
 PAGE = Path(__file__).parents[2] / "docs" / "python.md"
 BLOCK = re.compile(r"^```python\n(.*?)^```$(?:\n\n^```text\n(.*?)^```$)?", re.MULTILINE | re.DOTALL)
-HERE = "## Results of the service"  # from there on a service is needed: tests/service
 
 
 def test_every_block_prints_what_the_page_says(tmp_path: Path) -> None:
-    text = PAGE.read_text(encoding="utf-8").partition(HERE)[0]
+    text = PAGE.read_text(encoding="utf-8")
     names: dict[str, Any] = {}
     for code, expected in BLOCK.findall(text):
         if "import polars" in code and importlib.util.find_spec("polars") is None:

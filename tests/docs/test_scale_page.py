@@ -19,7 +19,6 @@ from vibrafeed.core.kinds import tabulate
 
 ROOT = Path(__file__).parents[2]
 SCALE = (ROOT / "docs" / "scale.md").read_text(encoding="utf-8")
-REDUCE = (ROOT / "docs" / "reduce.md").read_text(encoding="utf-8")
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -63,11 +62,11 @@ def test_scripts_are_shell(script: str) -> None:
 
 
 def test_what_the_page_on_reductions_shows_gives_what_it_says() -> None:
-    content: dict[str, Any] = tomllib.loads(blocks(REDUCE, "toml")[0])
+    content: dict[str, Any] = tomllib.loads(blocks(SCALE, "toml")[0])
     content["parameters"]["frequency"]["num"] = 3
     found = tabulate(prepare_content(content)).variables
     named = set(
-        re.findall(r"`(transport_velocity_\w+|share_\w+|level_[a-z]\w+|regime_\w+_count)`", REDUCE)
+        re.findall(r"`(transport_velocity_\w+|share_\w+|level_[a-z]\w+|regime_\w+_count)`", SCALE)
     )
     assert named
     assert named <= set(found)

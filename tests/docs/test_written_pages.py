@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from benchmarks import architecture_page, keywords, kinds_page, mistakes_page
+from benchmarks import architecture_page, keywords, kinds_page
 from vibrafeed.core.intake import prepare_content, read_toml
 from vibrafeed.core.kinds import KINDS, tabulate
 
@@ -13,8 +13,6 @@ TOML = re.compile(r"^```toml\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PAGES = {
     "architecture_page": (architecture_page.DRAWING, architecture_page.drawing),
     "keywords": (keywords.FILE, keywords.module),
-    "kinds_page": (kinds_page.PAGE, kinds_page.page),
-    "mistakes_page": (mistakes_page.PAGE, mistakes_page.page),
 }
 
 
@@ -24,7 +22,7 @@ def test_a_page_is_up_to_date(program):
     assert written() == file.read_text(encoding="utf-8"), f"python -m benchmarks.{program}"
 
 
-EXAMPLES = TOML.findall(kinds_page.PAGE.read_text(encoding="utf-8"))
+EXAMPLES = TOML.findall(kinds_page.page())
 
 
 @pytest.mark.parametrize(("kind", "example"), [*zip(KINDS, EXAMPLES, strict=True)])

@@ -8,20 +8,12 @@ from pathlib import Path
 import distributed
 
 from benchmarks.serving import free_port
-from disasters import expected, fill, read_only, simulation, small, small_disk
+from disasters import expected, fill, read_only, simulation, small_disk
 from services import QUICK, serving
 from vibrafeed.core.code_version import code_version
 from waiting import PATIENCE, wait_for
 
 OLD = Path(__file__).parents[1] / "data" / "data-of-e09fcfb.tar.gz"
-
-
-def test_a_small_job_does_not_wait_for_long_ones(tmp_path):
-    with serving(tmp_path, **QUICK, workers=2) as server:
-        long = [server.post(simulation(number, 1001)) for number in range(6)]
-        server.begun(long[0])
-        assert server.finished(server.post(small()))["status"] == "successful"
-        assert {server.job(number)["status"] for number in long} <= {"accepted", "running"}
 
 
 def test_work_on_a_scheduler_elsewhere(tmp_path):

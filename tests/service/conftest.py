@@ -8,8 +8,6 @@ import postgres
 from services import Server, services
 from tools import absent, tool
 
-pytest.register_assert_rewrite("ledger_laws")
-
 
 @pytest.fixture(scope="session")
 def curl() -> str:

@@ -200,8 +200,11 @@ def test_the_container_is_as_the_page_tells():
     assert f"user {values['USER']}" in PAGE
 
 
-def test_every_metric_is_told(service):
+def test_alerts_are_on_metrics_that_are_there(service):
     figures = service.ask("/metrics").decode()
-    found = set(re.findall(r"^# TYPE (vibrafeed_\w+)", figures, re.M))
-    assert len(found) > 10
-    assert not {name for name in found if name.removesuffix("_created") not in PAGE}
+    described = set(re.findall(r"^# HELP (vibrafeed_\w+) \S", figures, re.M))
+    assert len(described) > 10
+    alerts = set(
+        re.findall(r"`(vibrafeed_\w+)`", PAGE.partition("Alert on")[2].partition("\n\n")[0])
+    )
+    assert {name.removesuffix("_count") for name in alerts} <= described

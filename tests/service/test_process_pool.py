@@ -63,11 +63,6 @@ def local_lambda():
 
 
 @pytest.fixture
-def anyio_backend():
-    return "asyncio"
-
-
-@pytest.fixture
 async def pool(monkeypatch):
     for name in ENVIRONMENT:
         monkeypatch.delenv(name, raising=False)

@@ -128,6 +128,7 @@ export async function searched(view, scene, { signal, tell }) {
 /**
  * Where no design keeps all limits: how near each limit comes while the others are kept, {output, end, bound, at, value};
  * and what would have them kept, {name, at, value} of a parameter that is freed.
+ * What is found first is shown first.
  * @param {any} view @param {any} scene @param {import("./computed.js").How} how
  */
 export async function nearestTo(view, scene, how) {
@@ -141,6 +142,7 @@ export async function nearestTo(view, scene, how) {
     const value = found.values[limit.output]?.value;
     if (found.isThere && (end === "lower" ? value < limit.lower : value > limit.upper)) near.push({ output: limit.output, end, bound: limit[end], at: found.at, value });
   }
+  how.show({ near, ways });
   const { frequency, friction } = view.values;
   const wider = { frequency: [frequency / WIDER, WIDER * frequency], friction: [friction, RUBBER] };
   for (const [name, [from, to]] of Object.entries(wider)) {

@@ -261,7 +261,7 @@ export class Optimum {
       "The nearest drives": near.value?.near.map(({ output, end, bound, at, value: one }) => line(`${capital(words(output))} ${told(output, one)}, where ${end === "lower" ? "at least" : "at most"} ${told(output, bound)} is asked, at ${choice(at)}.`, at)),
       "What would do it?": near.value?.ways.map(({ name, at, value: one }) => line(`Another ${words(name)}, ${told(name, at[name])}, keeps all limits: ${words(view.output)} ${told(view.output, one)}, at ${choice(at)}.`, at)),
     };
-    const there = near.status === "ready" ? Object.entries(lists).filter(([, lines]) => lines.length) : [];
+    const there = near.status === "ready" || near.isPartial ? Object.entries(lists).filter(([, lines]) => lines.length) : [];
     fill(
       this.hosts.told,
       element("p", { role: "status" }, text, near.status === "computing" ? " Searching for the nearest drives." : ""),

@@ -18,7 +18,14 @@ from vibrafeed.core.kinds import run_study
 
 SHARES = ["let_down_share", "thrown_share"]
 SIZES = {"length": "30 mm", "width": "20 mm", "height": "10 mm"}
-LINE = {"arrival_rate": 300, "wanted_aspect": 1, "turned_share_1": 0.6, "wiper_height_2": "12 mm"}
+ARRIVING = {"arrival_rate": 300, "wanted_aspect": 1}
+LINES = (
+    {"turned_share_1": 0.6, "wiper_height_2": "12 mm"},
+    {"ledge_width_1": "6 mm", "delta": 10, "turned_share_1": 0.3, "gap_length_2": "12 mm",
+     "outlet_capacity_3": 150},
+    {"turned_share_1": 0.3, "turn_1": 12, "passed_aspect_2": 1, "wiper_height_3": "25 mm",
+     "device_order": 4},
+)  # fmt: skip
 
 
 def resting(part, outputs=SHARES, **more):
@@ -71,10 +78,12 @@ def test_mass_and_volume_need_no_aspect():
     assert "aspect" not in found.coords
 
 
-def test_a_line_takes_the_aspects_of_the_file():
+@pytest.mark.parametrize("devices", LINES)
+def test_a_line_takes_the_aspects_of_the_file(devices):
     outputs = ["yield", "yield_lower", "yield_upper", "oriented_feed_rate", "purity"]
-    found = vibrafeed.sweep(scene="orienting-line", part=box(30, 20, 10), outputs=outputs, **LINE)
-    closed = vibrafeed.sweep(scene="orienting-line", outputs=outputs, **SIZES, **LINE)
+    given = {"scene": "orienting-line", "outputs": outputs, **ARRIVING, **devices}
+    found = vibrafeed.sweep(part=box(30, 20, 10), **given)
+    closed = vibrafeed.sweep(**given, **SIZES)
     for name in outputs:
         assert float(found[name]) == pytest.approx(float(closed[name]), rel=1e-9)
 
@@ -253,5 +262,9 @@ def test_a_part_goes_with_its_variant():
         prepare_content(content)
     with pytest.raises(StudyError, match="the part has 3 aspects"):
         resting(box(3, 2, 1), aspect=4)
+    with pytest.raises(StudyError, match="passed_aspect_1: the part has 3 aspects"):
+        vibrafeed.sweep(
+            scene="orienting-line", part=box(3, 2, 1), outputs=["yield"], passed_aspect_1=4
+        )
     with pytest.raises(StudyError, match="studies of this kind take no part from a file"):
         vibrafeed.simulate(scene="rectangle-on-plane", part=box(3, 2, 1))

@@ -1,4 +1,4 @@
-"""What cites the theory page finds the section there."""
+"""Whatever cites the theory pages finds the section there."""
 
 import re
 from pathlib import Path
@@ -8,10 +8,10 @@ from vibrafeed.core.scenes import ALIASES, SCENES
 ROOT = Path(__file__).parents[3]
 NUMBER = re.compile(r"\d+(?:\.\d+)*")
 # "theory 2.1", "Theory 2, 6", "theory 13.2 to 13.8", also where a line of a comment ends in
-# between, and "[theory.md](theory.md), section 13". What follows a comma is a section if it has a
+# between, and "[theory](theory.md), section 13". What follows a comma is a section if it has a
 # dot, or ends the list.
 REFERENCE = re.compile(
-    r"\btheory(?:\.md\),?)?\s+(?:#\s+)?(?:sections? )?"
+    r"\btheory(?:\]\(\S+\),?)?\s+(?:#\s+)?(?:sections? )?"
     r"(\d+(?:\.\d+)*(?:(?:, | and | to |-)\d+(?:\.\d+)+|, \d+(?=\)|\.\s|\"))*)",
     re.IGNORECASE,
 )
@@ -25,9 +25,12 @@ def cited(text: str) -> list[str]:
 
 
 def test_sections_that_are_cited_exist():
-    sections = HEADING.findall((ROOT / "docs" / "theory.md").read_text(encoding="utf-8"))
-    order = [tuple(map(int, heading.split("."))) for heading in sections]
-    assert order == sorted(set(order)), "every section has a number of its own, and they ascend"
+    pages = [ROOT / "docs" / "theory.md", *(ROOT / "docs" / "theory").glob("*.md")]
+    headings = [HEADING.findall(page.read_text(encoding="utf-8")) for page in pages]
+    orders = [[tuple(map(int, number.split("."))) for number in numbers] for numbers in headings]
+    assert orders == [sorted(order) for order in orders], "sections of a page ascend"
+    sections = [number for numbers in headings for number in numbers]
+    assert len(sections) == len(set(sections)), "every section has a number of its own"
     texts = {
         path: path.read_text(encoding="utf-8")
         for folder in FOLDERS for path in (ROOT / folder).rglob("*")

@@ -1,4 +1,4 @@
-"""No wave beats the fastest one (docs/best-wave.md), and one reaches it."""
+"""No wave beats the fastest one (docs/theory/best-drive.md), and one reaches it."""
 
 import numpy as np
 import pytest

@@ -164,17 +164,6 @@ def test_angles_do_not_depend_on_the_scale_of_accelerations(function, extra, sca
     np.testing.assert_array_equal(here.acceleration_x * scale, there.acceleration_x)
 
 
-def test_the_switch_to_lift_off_is_where_the_theory_has_it():
-    G, mu = 9.8, 0.35
-    strong = np.array([0.999, 1.001]) * G * np.sqrt(1 + mu * mu) / mu
-    found = plane_thesis_limited(
-        vibration_acceleration=strong, gravity_along=0.0, gravity_normal=G, friction_kinetic=mu,
-        limit=np.inf, floor_contact=True,
-    )  # fmt: skip
-    np.testing.assert_allclose(found.beta, [np.arctan(mu), np.arcsin(G / strong[1])], rtol=1e-15)
-    np.testing.assert_allclose(found.acceleration_x[1], np.sqrt(strong[1] ** 2 - G * G), rtol=1e-14)
-
-
 @pytest.mark.parametrize("floor", [True, False])
 def test_pareto_points_are_the_limited_optima_of_their_own_a_y(floor):
     front = plane_thesis_pareto(**PLANE, floor_contact=floor, points=21)

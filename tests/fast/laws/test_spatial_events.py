@@ -51,7 +51,7 @@ def drive_of(groups: Groups) -> np.ndarray:
 )
 def test_means_are_those_of_the_reference(contacts, curved):
     """Two witnesses that share nothing: the reference has neither kernels nor series."""
-    given = random_groups(count(3, 20), 5, wall=contacts.wall, curved=curved)
+    given = random_groups(count(3, 100), 5, wall=contacts.wall, curved=curved)
     found, parts = spatial_motion(given, contacts, **SETTINGS), [*each(given)[0]]
     speed, judged = drive_of(given), 0
     for number, part in enumerate(parts):

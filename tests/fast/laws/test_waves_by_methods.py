@@ -206,10 +206,10 @@ def disagree(groups: Groups, contacts: Contacts) -> tuple[float, Motion, Motion]
     ("contacts", "across", "seeds"),
     spread(
         [
-            (BLOCK_ON_FLOOR, 0.0, count(3, 16)),
-            (BLOCK_ON_FLOOR, 0.3, count(2, 6)),
-            (CYLINDER, 0.3, count(2, 6)),
-            (WALL, 0.3, count(2, 6)),
+            (BLOCK_ON_FLOOR, 0.0, count(3, 100)),
+            (BLOCK_ON_FLOOR, 0.3, count(2, 60)),
+            (CYLINDER, 0.3, count(2, 60)),
+            (WALL, 0.3, count(2, 60)),
         ],
         2,
     ),

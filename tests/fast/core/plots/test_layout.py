@@ -81,7 +81,7 @@ def test_what_is_uncertain():
                    "friction": {"lower": 0.2, "most_likely": 0.3, "upper": 0.35}},
         demands=[{"output": "acceleration_x", "at_least": 1.5, "at_most": 3}],
     )  # fmt: skip
-    for kind, name in ((None, "Distribution"), ("indices", "Where"), ("tornado", "What")):
+    for kind, name in ((None, "Distribution"), ("indices", "Where"), ("tornado", "Effect")):
         figure = vibrafeed.plot(told, kind=kind, at={"gamma": 0})
         assert figure.get_suptitle().startswith(name)
         judge(figure)

@@ -138,7 +138,7 @@ def test_words_of_flags_and_of_what_has_no_value():
 def test_units_are_those_of_the_study_or_asked_for(plane):
     line = plane.sel(friction=0.3).isel(beta=2)
     for units, unit in ((None, "m/min"), ("trade", "mm/s"), (["si"], "m/s")):
-        assert draw(line, units=units).axes[0].get_ylabel() == f"$v$ ({unit})"
+        assert draw(line, units=units).axes[0].get_ylabel() == f"Conveying velocity $v$ ({unit})"
     axes = draw(line).axes[0]
     shown = line[SPEED].values * 60
     curves = [np.asarray(one.get_ydata()) for one in axes.lines if len(one.get_ydata()) == 25]

@@ -1,7 +1,6 @@
-"""The studies of configs run; the figures of chapter 5 are as printed, their numbers those of 10.
+"""The studies of configs run; the figures of chapter 5 are as printed, with the numbers of claims.
 
-Theory 10 says of each figure what the source claims and what its formula gives. What it gives is
-computed again here, from the datasets alone.
+docs/generated/thesis-figures.md has the claims. They are computed again here, from the data alone.
 """
 
 from collections.abc import Callable
@@ -25,7 +24,7 @@ from vibrafeed.core.quantities import REGIMES
 TRACK = range(22, 30)
 
 
-# --- what theory 10 says, as numbers
+# --- claims on the figures of chapter 5 (docs/generated/thesis-figures.md), as numbers
 
 
 def place_of_largest(values: xr.DataArray, dim: str) -> float:
@@ -150,7 +149,7 @@ def distance_at_track_speed() -> float:
 
 @dataclass(frozen=True)
 class Statement:
-    """A number of theory 10: the figure, the number as printed there, how to measure it."""
+    """A number of a claim: the figure, the number as its page has it, how to measure it."""
 
     figure: int
     says: str
@@ -169,11 +168,11 @@ STATEMENTS = [
     Statement(1, "largest a_x", "74.55", lambda: float(figure(1)["acceleration_x"].max())),
     Statement(1, "its alpha", "0", lambda: largest_ax_place("alpha")),
     Statement(1, "its beta", "26.57", lambda: largest_ax_place("beta")),
-    # Theory prints 20.5 and 44.8 for two of these ends, read off a coarser grid.
+    # A coarser grid gave 20.5 and 44.8 for two of these ends.
     Statement(1, "a_x >= 70.5, largest alpha", "20.6", lambda: level_set("alpha", "max")),
     Statement(1, "a_x >= 70.5, least beta", "8.2", lambda: level_set("beta", "min")),
     Statement(1, "a_x >= 70.5, largest beta", "44.9", lambda: level_set("beta", "max")),
-    # sqrt(P^2 - g^2), theory 12.1; theory 10 prints 70.37, read off a grid that misses lift-off.
+    # sqrt(P^2 - g^2), theory 12.1; 70.37 was read off a grid that misses lift-off.
     Statement(1, "largest physical a_x", "70.38", largest_physical_ax),
     # da_x/dmu = P sb - g
     Statement(
@@ -232,7 +231,7 @@ STATEMENTS = [
     ),
     Statement(25, "lowest v/v_max of the box", "0.849", lowest_share_of_box),
     Statement(25, "best alpha", "16.7", best_alpha),
-    # The wall load as theory 4.3 lists it.
+    # The wall load at rest, theory 4.3.
     Statement(
         25,
         "wall load",
@@ -258,13 +257,13 @@ STATEMENTS = [
 
 
 @pytest.mark.parametrize("statement", STATEMENTS, ids=lambda s: f"5.{s.figure} {s.says}")
-def test_number_of_theory_10(statement: Statement) -> None:
+def test_number_of_a_claim(statement: Statement) -> None:
     assert statement.measure() == pytest.approx(
         float(statement.printed), abs=statement.tolerance, rel=0
     )
 
 
-# --- what theory 10 says, as shapes and signs
+# --- the same, as shapes and signs
 
 
 def test_5_19_angular_acceleration_is_that_of_the_formula_and_three_times_too_large() -> None:

@@ -42,16 +42,6 @@ def run(scene: str, outputs: list[str], variant: str = "derived", **parameters: 
     return run_study(parse_study({**content, "parameters": parameters}))
 
 
-def test_the_least_limiting_friction_of_every_rectangle_is_four_thirds():
-    outputs = ["least_limiting_friction", "least_limiting_pitch"]
-    dataset = run("rectangle-isolated", outputs, height=[0.01, 1, 2, 300], length=1.0)
-    assert float(dataset["least_limiting_friction"]) == 4 / 3
-    # At a corner angle of atan 2 the least limit is that of the part lying flat.
-    expected = [math.degrees(math.atan(2)) - 45, 0]
-    found = dataset["least_limiting_pitch"].sel(height=[1, 2])
-    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-13)
-
-
 @pytest.mark.parametrize(
     ("friction", "pitch_rate", "velocity", "expected"),
     [
