@@ -179,7 +179,7 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
             if question.parameter in more.get("uncertain", {}) or question.name in more.get("", ()):
                 continue
             _say(table, question.says)
-            value = parse_typed(answers[question.name])
+            value: Any = parse_typed(answers[question.name])
             if question.values > 1:
                 span = tomlkit.inline_table()
                 span.update({"start": 0, "stop": value, "num": question.values})

@@ -5,6 +5,7 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
+import vibrafeed.app
 from commands import run, saved
 from vibrafeed.app.cli import app
 from vibrafeed.core.system import installing
@@ -15,13 +16,14 @@ ROOMS = ("vibrafeed.app.jobs", "vibrafeed.app.settings")
 @pytest.fixture
 def not_loaded():
     """Take the rooms of the service out of memory; afterwards they are what they were."""
-    before = dict(sys.modules)
+    before, rooms = dict(sys.modules), dict(vars(vibrafeed.app))
     for name in [name for name in before if name.startswith(ROOMS)]:
         del sys.modules[name]
     yield
     for name in [name for name in sys.modules if name.startswith(ROOMS)]:
         del sys.modules[name]
     sys.modules.update(before)
+    vars(vibrafeed.app).update(rooms)
 
 
 @pytest.mark.usefixtures("not_loaded")

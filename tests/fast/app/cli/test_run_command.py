@@ -212,7 +212,7 @@ gamma = 3
 def test_an_optimum_without_a_solution_tells_what_helps_and_has_its_own_exit_code(monkeypatch):
     way = {"change": "an elliptical drive", "output": "conveying_velocity", "value": 0.1956}
     way = SimpleNamespace(**way, choice={"beta": 30.0})
-    monkeypatch.setattr("vibrafeed.core.optimise.ways", lambda study, watch: [way])
+    monkeypatch.setattr("vibrafeed.core.optimise.reach.ways", lambda study, watch: [way])
     saved(IMPOSSIBLE)
     asked = "(at least 500 m/s² is asked) with all other limits kept, at amplitude"
     other = (
