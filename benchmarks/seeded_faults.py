@@ -83,6 +83,8 @@ def main() -> None:
             shutil.copy2(ROOT / name, tree / name, follow_symlinks=False)
         missed = chosen(asked.number, asked.seed)
         for command, folders in COMMANDS.items():
+            if fails(tree, folders):
+                sys.exit(f"{command} fails without a fault")
             there = [fault for fault in missed if not notices(tree, fault, folders)]
             print(f"{command}: {len(missed) - len(there)} of {len(missed)}", flush=True)
             missed = there
@@ -157,17 +159,18 @@ def notices(tree: Path, fault: Fault, folders: Sequence[str]) -> bool:
     """Return whether a test of some folders fails with a fault."""
     room = Path("tests/fast", *Path(fault.path).parts[:2])
     near = [room.as_posix()] if "tests/fast" in folders and (tree / room).is_dir() else []
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", str(os.cpu_count())]
     fault.put_into(tree)
-    done = subprocess.run(
-        [*command, *near, *folders],
-        cwd=tree,
-        env={**os.environ, "PYTHONPATH": str(tree)},
-        capture_output=True,
-        check=False,
-    )
+    found = fails(tree, [*near, *folders])
     shutil.copy2(ROOT / fault.path, tree / fault.path)
-    print(f"{'noticed' if done.returncode else 'missed':8} {fault}", flush=True)
+    print(f"{'noticed' if found else 'missed':8} {fault}", flush=True)
+    return found
+
+
+def fails(tree: Path, folders: Sequence[str]) -> bool:
+    """Return whether a test of some folders fails."""
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", str(os.cpu_count()), *folders]
+    environment = {**os.environ, "PYTHONPATH": str(tree)}
+    done = subprocess.run(command, cwd=tree, env=environment, capture_output=True, check=False)
     return done.returncode != 0
 
 

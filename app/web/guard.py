@@ -172,15 +172,15 @@ class Guard:
     def _from_elsewhere(self, scope: Scope, name: str) -> Response | None:
         """Return the reply 403 to a request from another machine while no keys exist; else None.
 
-        So are requests of web pages whose name resolves to this machine: `name`, that of the Host
-        header, has to be a loopback name.
+        A web page whose own name resolves to this machine gets the same reply: `name`, from the
+        Host header, must be a loopback name.
         """
         local = (scope.get("server") or ("",))[0] or "/"
-        if not local.startswith("/") and not is_loopback(local):  # else it is a socket of Unix
+        if not local.startswith("/") and not is_loopback(local):  # else it is a Unix socket
             why = "No keys exist, so the service answers only on loopback addresses."
         elif name not in LOOPBACK_NAMES:
             # Any page can have a name of its own resolve to 127.0.0.1; its browser still sends it.
-            why = "No keys are set, so that the service answers to localhost and 127.0.0.1 only."
+            why = "No keys exist, so the service answers only to the names localhost and 127.0.0.1."
         else:
             return None
         fix = "`vibrafeed key add` makes a key."

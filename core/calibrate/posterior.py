@@ -282,8 +282,8 @@ def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]
 
     A mode is a connected region of high density that explains the runs by itself: between two, the
     density falls below half of the lower top. Regions are sought on a grid over `axes`, evenly
-    spaced values of each unknown in the units of studies. All points belong to a mode: those
-    between modes to the one that they rise to (a watershed of the log density).
+    spaced values of each unknown in the units of studies. Every point belongs to a mode; one
+    between two modes belongs to that to which the log density rises (a watershed).
     """
     count = len(axes)
     nodes = np.stack(
@@ -297,20 +297,22 @@ def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]
     flat = np.ravel_multi_index(tuple(nodes.T), shape)
     mass: Array = np.bincount(flat, posterior.weights, int(np.prod(shape))).astype(np.float64)
     order = np.argsort(-mass)
-    below = np.cumsum(mass[order])
-    around = np.ones((3,) * count)
-    best = np.zeros(shape, dtype=np.int16)
+    cumulative = np.cumsum(mass[order])
+    neighbours = np.ones((3,) * count)
+    # Separate regions of the densest 90 % or 99 % of the mass, of that with more of them.
+    seeds = np.zeros(shape, dtype=np.int16)
     for share in HIGHEST:
         high = np.zeros(mass.size, dtype=bool)
-        high[order[: int(np.searchsorted(below, share)) + 1]] = True
-        wide = scipy.ndimage.binary_dilation(high.reshape(shape), around)
-        found = _heaviest(np.asarray(scipy.ndimage.label(wide, around)[0]), mass)
-        best = found if found.max() > best.max() else best
+        high[order[: int(np.searchsorted(cumulative, share)) + 1]] = True
+        wide = scipy.ndimage.binary_dilation(high.reshape(shape), neighbours)
+        found = _heaviest(np.asarray(scipy.ndimage.label(wide, neighbours)[0]), mass)
+        seeds = found if found.max() > seeds.max() else seeds
     depth = np.full(mass.size, DEEPEST)
     np.minimum.at(depth, flat, posterior.log.max() - posterior.log)
     depth = depth.reshape(shape)
-    steps = (np.iinfo(np.uint16).max / DEEPEST * depth).astype(np.uint16)
-    parted = _deeply_parted(scipy.ndimage.watershed_ift(steps, best, around), depth)
+    # Every node joins the seed to which it rises; regions with a shallow valley between them merge.
+    levels = (np.iinfo(np.uint16).max / DEEPEST * depth).astype(np.uint16)
+    parted = _deeply_parted(scipy.ndimage.watershed_ift(levels, seeds, neighbours), depth)
     return _modes(posterior, parted.ravel()[flat])
 
 

@@ -102,7 +102,7 @@ def voltage_force(
     """Return the force at a voltage from one measured amplitude, F = A_m/G_m (U/U_m)^n [N].
 
     A_m is the amplitude of the empty track at the voltage U_m, G_m (`measured_response`) that which
-    1 N gives at the frequency of the measurement [m N-1]. n is 2 of a magnet whose flux is
+    1 N gives at the frequency of the measurement [m N-1]. n is 2 for a magnet whose flux is
     proportional to its voltage.
     """
     growth = np.exp(force_exponent * np.log(drive_voltage / measured_voltage))

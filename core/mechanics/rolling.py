@@ -71,10 +71,11 @@ def roll_root(
     friction_kinetic: Array,
     floor_acceleration: Array,
 ) -> Array:
-    """Return the root z of D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, the acceleration of slip [m s-2].
+    """Return the acceleration z of slip at the contact; 0 where the cylinder rolls [m s-2].
 
-    q = mu_k n, with drive and gravity D_x along the axis and D_y across it, and the floor's force
-    n, all per mass.
+    z > 0 solves D_x^2/(z+q)^2 + D_y^2/(z+3q)^2 = 1, q = mu_k n, with drive and gravity D_x along
+    the axis and D_y across it, and the floor's force n, all per mass. Static friction decides
+    whether it rolls.
     """
     return slip_root(
         in_plane_drive_x, in_plane_drive_y, SOLID, friction_static, friction_kinetic,

@@ -244,7 +244,9 @@ def problem_of_added(sensitivities: object, grid: Grid) -> Problem | None:
         what, path = "bands", f"parameters.{next(iter(grid.bands))}"
     else:
         return None
-    return Problem(path, f"{what} are computed as a whole, not where read", "Leave it out")
+    return Problem(
+        path, f"{what} are computed as a whole, not cell by cell when they are read", "Leave it out"
+    )
 
 
 def problems_of_bands(values: Mapping[str, Values]) -> Iterable[Problem]:

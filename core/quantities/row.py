@@ -109,7 +109,9 @@ ROW: dict[str, Quantity] = {
     ),
     "track_stop_gap": _stop_gap("g_t", "Gap to a stop of the track", "that moves with the track"),
     "fixed_stop_gap": _stop_gap("g_f", "Gap to a fixed stop", "at rest beside the track"),
-    "mass_scale": Quantity("kg", "", "Mass scale", "Scale of the masses of a row."),
+    "mass_scale": Quantity(
+        "kg", "", "Mass scale", "Unit of the masses: that of one part if all are equal, else 1 kg."
+    ),
     "mean_gap": Quantity(
         "m", "g", "Mean gap", "Mean gap between neighbours of one platoon, over time."
     ),

@@ -198,16 +198,17 @@ def two_level_hold(
 ) -> tuple[Array, Array, Array]:  # fmt: skip
     """Return time without contact [s], impact velocity [m s-1] and period [s] of a row at a stop.
 
-    The track accelerates forward with a_s for t_s = T a_m/(a_s + a_m), to V = a_s t_s/2, and back
-    with a_m, to 0 in t_h = V/a_m. The row leaves the stop as the track runs back, has the track's
-    velocity -mu g t after t = (V + a_s t_h)/(a_s + mu g), is carried, and strikes the stop after s
-    = (mu g t + sqrt((mu g t)^2 + a_s mu g t^2))/a_s more, with V_i = a_s s - mu g t. The first
-    result is t + s, the second V_i (theory 17.5).
+    The track's velocity rises with a_s to V = a_s t_s/2, t_s = T a_m/(a_s + a_m), and falls with
+    a_m. At time 0 it passes 0, falling, and friction drags the row off the stop with velocity
+    -mu g t. From t_h = V/a_m the track accelerates forward again; it has the row's velocity at
+    t = (V + a_s t_h)/(a_s + mu g) and carries the row from then on. The row strikes the stop after
+    a further time s = (mu g t + sqrt((mu g t)^2 + a_s mu g t^2))/a_s, with V_i = a_s s - mu g t.
+    The first result is t + s, the second V_i (theory 17.5).
     """
     period = 1.0 / frequency
     a_s, a_m, brake = forward_acceleration, return_acceleration, friction_kinetic * gravity
     peak = a_s * period * a_m / (a_s + a_m) / 2
-    until = (peak + a_s * peak / a_m) / (a_s + brake)
+    until = (peak + a_s * peak / a_m) / (a_s + brake)  # t; `carried` is s
     back = brake * until
     carried = (back + np.sqrt(back * back + a_s * brake * until * until)) / a_s
     return until + carried, a_s * carried - back, period

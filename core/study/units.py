@@ -339,6 +339,7 @@ def _plain(unit: str) -> str:
 
 
 def _spelled(own: str, unit: str, *, with_g: bool) -> str:
+    # Units of people as pint reads them: "ms-2", "rpm", "g". `own` is the unit of the quantity.
     compact = unit.replace(" ", "")
     if own == "m s-2" and with_g and (gravity := _GRAVITY.fullmatch(compact)):
         return f"{_PREFIXES[gravity[1]]}standard_gravity"

@@ -238,7 +238,7 @@ class Part:
         jumps = self.laws.record is not None or (wave is not None and wave.steps.shape[1] > 0)
         for laws, reached in self.laws.pieces(self.phase, end):
             self.laws, self.until = laws, reached if jumps else math.inf
-            self.smoothly(reached, asked, rows)
+            self.advance_without_jump(reached, asked, rows)
 
     def rest_on(self, mode: Mode) -> bool:
         """Record the contacts of a mode that carry the part; True if a slip begins from rest."""
@@ -249,8 +249,11 @@ class Part:
         touching = mode.floor or mode.wall
         return mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
 
-    def smoothly(self, end: float, asked: Array | None, rows: Array | None) -> None:
-        """Advance the part to the phase `end` in rad by events; the drive has no jump before."""
+    def advance_without_jump(self, end: float, asked: Array | None, rows: Array | None) -> None:
+        """Advance the part to the phase `end` in rad, event by event; no jump comes before it.
+
+        `rows` gets the states at the phases `asked`.
+        """
         opened, still = "", 0
         for _ in range(MAX_EVENTS):
             if self.phase >= end:

@@ -154,6 +154,8 @@ def fall_from_start(condition: Array) -> float:
 
 
 def _root(c: Array, slope: Array, low: float, high: float) -> float:
+    # The root between 0 and 1 of a Chebyshev series, its values there `low` and `high`, of opposite
+    # sign: Newton's method, and bisection where a step leaves the bracket.
     left, right = 0.0, 1.0
     at = low / (low - high)
     for _ in range(100):

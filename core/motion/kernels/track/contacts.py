@@ -93,9 +93,10 @@ def strike(
 ) -> None:
     """Change the velocities in `state` by an impact on the floor, on the wall, or on both at once.
 
-    Newton's law normal to each, u_n+ = -eps u_n-, and Coulomb's along it: an impulse of |i_t| <= mu
-    i_n stops the slip if it can (theory 13.1). Of two impacts at once each is solved in its turn
-    until both stand still.
+    `floor` and `wall` are the speeds of approach, 0 without an impact, `bounce` and `rear` their
+    restitutions. Newton's law holds normal to each, u_n+ = -eps u_n-, and Coulomb's along it: an
+    impulse of |i_t| <= mu i_n stops the slip if it can (theory 13.1). Two impacts at once are
+    solved in turn until their impulses no longer change.
     """
     ux, uy, uz = STATE.ux, STATE.uy, STATE.uz
     normal, side, fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
