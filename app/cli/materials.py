@@ -26,7 +26,7 @@ def materials(
     as_json: Json = False,
 ) -> None:
     """Print published coefficients of friction and restitution, with their sources."""
-    asked = " ".join(words or ())
+    asked = " ".join(word for word in " ".join(words or ()).split() if word != "on")
     table = (leaf_springs if leaves else friction)(asked)
     if as_json:
         console.document(table)

@@ -193,6 +193,8 @@ def _knee(result: Table, units: ShownUnits) -> str:
     values = {name: float(one.values.ravel()[at]) for name, one in result.variables.items()
               if one.dims == knee.dims}  # fmt: skip
     both = {name: values[name] for name in (study.criterion.output, study.criterion.against)}
+    if not np.isfinite([*both.values()]).all():
+        return ""
     choice = {  # also the angles that a study without variables leaves to the program
         name.removeprefix("best_"): value
         for name, value in values.items()

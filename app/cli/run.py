@@ -171,6 +171,8 @@ def run(
     if not sound:
         raise typer.Exit(FAILED)
     if studies.refused:
+        names = ", ".join(map(str, studies.refused))
+        typer.echo(f"Not run, see the errors above: {names}", err=True)
         raise typer.Exit(INVALID_INPUT)
     if not running.solved:
         raise typer.Exit(NO_SOLUTION)
