@@ -92,7 +92,7 @@ class ProcessPool:
         """Start the processes before the first calls need them."""
         while len(self._idle) + len(self._busy) < self.fair_queue.slots:
             process = await self._new()
-            await asyncio.wait({asyncio.wrap_future(process.ready)})
+            await asyncio.wait({_awaited(process.ready)})
             self._keep(process)
 
     async def prepare(self) -> None:
@@ -137,7 +137,7 @@ class ProcessPool:
         """
         process, call = await self._submit(function, arguments)
         try:
-            ready = asyncio.wrap_future(process.ready)
+            ready = _awaited(process.ready)
             await _until_done(ready, float("inf"), look)
             ready.result()
             before = process.busy_seconds()
@@ -168,8 +168,6 @@ class ProcessPool:
             else:
                 process.kill()
                 await asyncio.wait({call})  # it finds the end of the process
-                if not call.cancelled():
-                    call.exception()  # is no news
 
     def alive(self) -> int:
         """Return the number of processes that have been started."""
@@ -191,7 +189,7 @@ class ProcessPool:
             process = self._idle.pop() if self._idle else await self._new()
             self._busy.add(process)
             try:
-                return process, asyncio.wrap_future(process.submit(function, arguments))
+                return process, _awaited(process.submit(function, arguments))
             except BrokenProcessPool:  # it died while it was idle
                 self._busy.discard(process)
 
@@ -258,6 +256,13 @@ class _Process:
         if error is not None:
             raise error
         return result
+
+
+def _awaited(call: Future[_T]) -> asyncio.Future[_T]:
+    # Nobody may ask for the error of a call whose process was killed: asyncio would log it.
+    future = asyncio.wrap_future(call)
+    future.add_done_callback(lambda done: done.cancelled() or done.exception())
+    return future
 
 
 async def _until_done(

@@ -186,6 +186,12 @@ WRONG = [
         NUMBER,
     ),
     (
+        {"parameters": {**POINT, "friction": "steel on steel"}},
+        "parameters.friction",
+        "'steel on steel' is not a number with a unit",
+        'Write friction = { pair = "steel on steel" }',
+    ),
+    (
         {"parameters": {**POINT, "amplitude": []}},
         "parameters.amplitude",
         "the list of values of amplitude is empty",
