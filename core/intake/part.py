@@ -254,6 +254,8 @@ def _solid(raw: bytes, name: str, path: str, unit: str | None) -> "Trimesh":
     if kind == "obj":
         if _triangles_of_obj(raw) > MAX_TRIANGLES:
             raise _too_large(path, name)
+        if re.search(rb"^f(?=\s)[^#\n]*\s0+(?=[/\s]|$)", raw, re.MULTILINE):
+            raise _damaged(path, f"{name}: a face names the vertex 0, and they begin at 1")
         # Each material would be a surface of its own.
         raw = re.sub(rb"^(usemtl|mtllib|o|g)\s.*", b"", raw, flags=re.MULTILINE)
     try:

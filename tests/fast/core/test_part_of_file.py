@@ -174,6 +174,8 @@ def test_materials_and_groups_of_an_obj_file_are_one_body():
     assert resting({"data": "\n".join(grouped), "unit": "mm"}).sizes["aspect"] == 3
     polygon = "\n".join([*lines, "f " + "1 2 3 4 " * 300_000])
     assert "is too large" in refusal({"data": polygon, "unit": "mm"})["part.data"]
+    from_zero = "\n".join([*lines[:-1], "f 0/1 2 3"])
+    assert "they begin at 1" in refusal({"data": from_zero, "unit": "mm"})["part.data"]
 
 
 def test_a_service_reads_no_files():
