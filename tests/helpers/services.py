@@ -91,7 +91,7 @@ class Server(Service):
         method: str | None = None,
         headers: Iterable[tuple[str, str]] = (),
     ) -> bytes:
-        """Return a reply's content; a server that starts again, or is busy, is asked again."""
+        """Return a reply's content; a server that is being started again is waited for."""
         body = None if content is None else json.dumps(content).encode()
 
         def replied() -> tuple[bytes] | None:
@@ -101,10 +101,8 @@ class Server(Service):
             try:
                 with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
                     return (reply.read(),)
-            except urllib.error.HTTPError as error:
-                if error.code != HTTPStatus.SERVICE_UNAVAILABLE:
-                    raise
-                return None
+            except urllib.error.HTTPError:
+                raise
             except OSError:
                 assert self.process is not None
                 ended = self.process.poll()  # negative where it was killed
@@ -125,6 +123,19 @@ class Server(Service):
     def post(self, study: Mapping[str, Any]) -> str:
         path = f"/processes/{study['kind']}/execution"
         return json.loads(self.ask(path, study, headers=[("Prefer", "respond-async")]))["jobID"]
+
+    def post_to_a_busy_one(self, study: Mapping[str, Any]) -> str:
+        """Return the number of a job; a service that is busy is asked again."""
+
+        def posted() -> str | None:
+            try:
+                return self.post(study)
+            except urllib.error.HTTPError as error:
+                if error.code != HTTPStatus.SERVICE_UNAVAILABLE:
+                    raise
+                return None
+
+        return wait_for(posted)
 
     def waited(self, number: str, enough: Callable[[Any], bool], every: float = EVERY) -> Any:
         """Return a job once it is as it should be, or over."""

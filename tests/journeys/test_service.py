@@ -47,7 +47,7 @@ def computed_here(study, vibrafeed, folder):
 def test_post_poll_and_download(server, vibrafeed, tmp_path):
     with urllib.request.urlopen(f"{server.address}/scenes", timeout=PATIENCE) as reply:
         assert "rectangle-on-plane" in reply.read().decode()
-    found = downloaded(server, server.post(STUDY), tmp_path / "there.nc")
+    found = downloaded(server, server.post_to_a_busy_one(STUDY), tmp_path / "there.nc")
     here = computed_here(STUDY, vibrafeed, tmp_path)
     xarray.testing.assert_equal(found, here)
     speed = found.conveying_velocity.values
@@ -59,7 +59,7 @@ def test_a_job_survives_a_kill(server, vibrafeed, tmp_path):
     study = {**STUDY, "parameters": {**STUDY["parameters"], "gamma": [-2, 0, 2, 4]}}
     study["parameters"]["amplitude"] = {"start": "0.1 mm", "stop": "0.5 mm", "num": 41}
     study["parameters"]["beta"] = {"start": 10, "stop": 50, "num": 41}
-    number = server.post(study)
+    number = server.post_to_a_busy_one(study)
     server.kill()
     server.start()
     found = downloaded(server, number, tmp_path / "there.nc")
