@@ -42,12 +42,10 @@ def fault(environment: Mapping[str, str] = os.environ) -> str | None:
 
 
 def _is_wanted(environment: Mapping[str, str]) -> bool:
-    """True if the environment names an address to which traces are sent."""
     return any(environment.get(name) for name in ENDPOINTS)
 
 
 def _is_installed() -> bool:
-    """True if the OpenTelemetry exporter is installed."""
     try:
         return importlib.util.find_spec("opentelemetry.exporter.otlp.proto.http") is not None
     except ModuleNotFoundError:  # one of the packages above it

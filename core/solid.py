@@ -295,7 +295,6 @@ def _least_rectangle(flat: Floats, base: Floats, size: float) -> tuple[float, fl
 
 
 def _farthest(rim: Floats, directions: Floats) -> Floats:
-    """How far a convex polygon, counter-clockwise, reaches in each direction."""
     sides = np.roll(rim, -1, axis=0) - rim
     turned = np.unwrap(np.arctan2(sides[:, 1], sides[:, 0]))
     # A side at a right angle to the direction ends in the farthest corner.

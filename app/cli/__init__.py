@@ -140,7 +140,6 @@ app = typer.Typer(
 
 
 def _tell_version(asked: bool) -> None:
-    """Print the version and end the program, if `--version` was typed (`asked`)."""
     if asked:
         typer.echo(f"vibrafeed {core.__version__}")
         raise typer.Exit

@@ -284,11 +284,9 @@ def _show_output(result: "Table", output: str, units: "ShownUnits") -> None:
 
 
 def _with_error(value: "Array", shown: "Shown", error: "Array | None" = None) -> str:
-    """Return a value in the shown unit as text, with its error if given."""
     text = format_number(shown.factor * float(value))
     return text if error is None else f"{text} ± {format_number(shown.factor * float(error), 2)}"
 
 
 def _percent(share: float) -> str:
-    """Return a share in per cent as text."""
     return f"{format_number(100 * share, 3)} %"

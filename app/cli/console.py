@@ -220,7 +220,6 @@ def _announcing(label: str) -> Callable[[bool], None]:
 
 
 def _without_nan(content: object) -> object:
-    """Return JSON content with NaN and infinities replaced by None, at any depth."""
     if isinstance(content, float) and not math.isfinite(content):
         return None
     if isinstance(content, dict):
@@ -299,7 +298,6 @@ def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]
 
 
 def _align_cells(cells: Sequence[str], widths: Sequence[int]) -> str:
-    """Return cells as one line, each padded to the width of its column."""
     pairs = zip(cells, widths, strict=True)
     return GAP.join(cell.ljust(width) for cell, width in pairs).rstrip()
 

@@ -135,7 +135,6 @@ def _peak_to_peak(amplitude: float, error: float, units: ShownUnits) -> str:
 
 
 def _with_error(value: str, error: str) -> str:
-    """Return a value with its error, if that is known."""
     return f"{value} {PLUS_MINUS} {error}" if error else value
 
 
@@ -208,7 +207,6 @@ def toml_of(fit: Fit, recording: Path) -> str:
 
 
 def _toml_line(name: str, value: str, error: str) -> str:
-    """Return one line of TOML: name, value, and the error as a comment."""
     return f'{name} = "{value}"' + (f"  # +- {error}" if error else "  # exact")
 
 

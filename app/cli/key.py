@@ -204,7 +204,6 @@ def _database() -> "Iterator[Database]":
 
 
 def _format_limit(figure: int | None) -> str:
-    """Return a limit with thousands separators; `-` if there is no limit."""
     return "-" if figure is None else f"{figure:,}"
 
 

@@ -58,7 +58,6 @@ def materials(
 
 
 def _show_friction(table: Mapping[str, Any], numbers: Mapping[str, str]) -> None:
-    """Print coefficients of friction and restitution; `numbers` are those of the sources."""
     if table["pairs"]:
         rows = []
         for row in table["pairs"]:

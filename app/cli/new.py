@@ -227,5 +227,4 @@ def _problem_of_unused(name: str, answers: dict[str, str]) -> Problem:
 
 
 def _flag(name: str) -> str:
-    """Return the command-line flag of a question, such as `--base-mass`."""
     return "--" + name.replace("_", "-")

@@ -242,7 +242,6 @@ def _regimes_computed(result: Table, verdict: str) -> NDArray[Any]:
 
 
 def _outputs(result: Table) -> dict[str, TableVariable]:
-    """Return the numeric variables of a result, without flags."""
     return {n: v for n, v in result.variables.items() if "flag_values" not in v.attributes}
 
 
@@ -408,7 +407,6 @@ def _in_words(shares: Mapping[str, float], cells: int) -> str:
 
 
 def _percent(share: float) -> str:
-    """Return a share as per cent, with an ordinary space before the sign."""
     return percent(share).replace("\N{NO-BREAK SPACE}", " ")
 
 

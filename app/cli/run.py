@@ -251,7 +251,6 @@ def cluster(
 
 
 def _refuse_together(*, as_json: bool, to_standard: bool) -> None:
-    """Exit if options were given that exclude each other."""
     if to_standard and as_json:
         message = (
             "standard output cannot take both the JSON document (--json) and the result (-o -)"

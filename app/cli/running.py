@@ -222,7 +222,6 @@ class Running:
         return kinds.is_whole(table) and not kinds.not_verified(table), interrupted()
 
     def _say_more(self, prepared: Prepared) -> None:
-        """Print the further lines that `--verbose` asks for."""
         if self.checked is not None:
             for line in more(prepared, self.checked):
                 console.tell(line)
@@ -395,5 +394,4 @@ def _say_how_to_go_on(path: Path, target: str, prepared: Prepared) -> None:
 
 
 def _gb(size: float) -> str:
-    """Return a number of bytes in GB."""
     return f"{size / 1e9:,.3g} GB"

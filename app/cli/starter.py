@@ -259,7 +259,6 @@ def example_study(kind: str, file: str) -> str:
 
 
 def _say(container: Any, text: str) -> None:
-    """Add lines of text as comments to a TOML container."""
     for line in text.split("\n"):
         container.add(tomlkit.comment(line))
 

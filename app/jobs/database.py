@@ -182,7 +182,6 @@ class Database:
             return self._opened
 
     def _new_engine(self) -> Engine:
-        """Create the SQLAlchemy engine, with the settings of the kind of database."""
         arguments = {k: v for k, v in CONNECT[self.kind].items() if k not in self._url.query}
         # AUTOCOMMIT: who reads has no transaction, who changes something begins one in words.
         engine = create_engine(

@@ -140,7 +140,6 @@ class FairQueue:
         return own < (self._of_owner or most) and (seconds <= SHORT or long < most)
 
     def _forget(self, owner: str) -> None:
-        """Remove the record of an owner who neither uses a slot nor waits."""
         taken = any(slot.owner == owner for slot in self._taken)
         if not taken and all(waiter[1] != owner for waiter in self._waiting):
             self._had.pop(owner, None)

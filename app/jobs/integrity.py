@@ -55,6 +55,5 @@ def _digest(file: FileIO) -> str:
 
 
 def _mark(file: FileIO, digest: str) -> tuple[int | str, ...]:
-    """Return the identity of a file's version: device, inode, size, time of change, digest."""
     status = os.fstat(file.fileno())
     return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, digest

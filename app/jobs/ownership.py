@@ -153,10 +153,8 @@ class Ownership:
 
 
 def _held_by(owner: str, key: str) -> ColumnElement[bool]:
-    """Return the SQL condition of one owner's record of a study."""
     return (OWNED_STUDIES.c.owner == owner) & (OWNED_STUDIES.c.key == key)
 
 
 def _holding(row: Row[*tuple[Any, ...]]) -> OwnedStudy:
-    """Return the record in a row of the table."""
     return OwnedStudy(row.owner, row.key, row.bytes, bool(row.result), bool(row.shared), row.used)

@@ -277,7 +277,6 @@ async def _until_done(
 
 
 def _serve(connection: Connection, modules: tuple[str, ...]) -> None:
-    """Carry out the calls that come, in a new process, until it is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal: the service ends us
     end_with_parent()
     for module in modules:

@@ -164,7 +164,6 @@ def read_task(name: str, body: bytes, settings: Settings, most_cells: int | None
 def _read_study(
     name: str, body: bytes, settings: Settings, most_cells: int | None
 ) -> tuple[Prepared, bool]:
-    """Return the study of an execute request, and whether it asks for a document."""
     study, as_document = read_execution(read_json(body), name)
     prepared = prepare_content(study)
     if name == ACCURACY:  # it takes some cells of a grid

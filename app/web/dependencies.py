@@ -26,7 +26,6 @@ MAX_DIGITS = 20  # of a length that fits a limit
 
 
 def _part(name: str) -> Any:
-    """Return a dependency that gives a part of the application by its name."""
 
     async def part(request: Request) -> Any:
         return getattr(request.app.state, name)

@@ -286,12 +286,10 @@ def _message(job: Job, waits: str | None) -> str:
 
 
 def _time(seconds: float | None) -> str | None:
-    """Return a time [s since the epoch] in ISO 8601; None stays None."""
     if seconds is None:
         return None
     return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
 
 
 def _link(href: str, rel: str, title: str, type_: str = "application/json") -> dict[str, str]:
-    """Return a link of a document."""
     return {"href": href, "rel": rel, "type": type_, "title": title}

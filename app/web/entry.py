@@ -153,14 +153,12 @@ class Entry:
 
 
 def _without(detail: str) -> Response:
-    """Return the reply 401 for a request without a valid key."""
     return problem_document(
         401, "key", "A key is needed", detail, headers={"WWW-Authenticate": "Bearer"}
     )
 
 
 def _sent_keys(headers: Headers) -> list[str]:
-    """Return the keys that a request sends in the headers X-API-Key and Authorization: Bearer."""
     keys = headers.getlist("x-api-key")
     for value in headers.getlist("authorization"):
         scheme, _, key = value.partition(" ")

@@ -18,7 +18,6 @@ ACCURACY = "accuracy"
 
 
 def _any_of(kinds: Iterable[Kind]) -> Any:
-    """Return the union type of the studies of some kinds, discriminated by `kind`."""
     models = tuple(kind.model for kind in kinds)
     return Annotated[Union[models], Field(discriminator="kind")]  # noqa: UP007 - made as it runs
 

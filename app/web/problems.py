@@ -128,7 +128,6 @@ def _known(request: Request, error: Exception) -> Response:
 
 
 def _failed(request: Request, error: Exception) -> Response:
-    """Return the problem document that a failed job has kept."""
     return problem_document(**error.args[0])
 
 

@@ -69,7 +69,6 @@ def _after(seconds: float, call: Callable[[], None]) -> None:
 
 
 def _cut_short() -> None:
-    """End the process at once without cleaning up; everything of value is on disk."""
     logger.warning("stopping takes too long and is cut short")
     os._exit(0)
 

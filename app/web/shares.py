@@ -89,7 +89,6 @@ def look_at(request: Request) -> Callable[[], Awaitable[None]]:
 
 
 async def _placed(request: Request, body: Body) -> AsyncIterator[None]:
-    """Hold a place for a request, from its whole body to its reply."""
     async with slot_of(request, len(body)):
         yield
 

@@ -38,7 +38,6 @@ def missing_packages() -> str:
 
 
 def _missing() -> list[str]:
-    """Return the formats whose package is not installed."""
     return [form for form, (package, _) in PACKAGES.items() if find_spec(package) is None]
 
 

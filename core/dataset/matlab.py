@@ -102,13 +102,11 @@ def names_in_matlab(names: Iterable[str]) -> dict[str, str]:
 
 
 def _array(variable: TableVariable) -> NDArray[Any]:
-    """Return values for MATLAB: numbers as double, texts as a cell array."""
     values = variable.values
     return values if values.dtype == object or values.dtype.kind == "f" else values.astype(float)
 
 
 def _ascii_json(text: str) -> str:
-    """Return a JSON text with escapes in place of letters that are not ASCII."""
     return re.sub(r"[^\x00-\x7f]", lambda found: json.dumps(found[0])[1:-1], text)
 
 
@@ -122,7 +120,6 @@ def _text(text: str) -> str:
 
 
 def _flags(variable: TableVariable) -> dict[str, float]:
-    """Return the number of each word of a flag variable (`regime`), by MATLAB name."""
     flags = flags_of(variable.attributes)
     named = names_in_matlab(flags.values())
     return {named[word]: float(value) for value, word in flags.items()}

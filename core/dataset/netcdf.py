@@ -106,7 +106,6 @@ def _define(
 def _add(
     file: "netCDF4.Dataset", name: str, variable: TableVariable, **storage: Any
 ) -> "netCDF4.Variable[Any]":
-    """Create a variable in a NetCDF file, without values, and return it."""
     # CF forbids fill values in coordinates, and in flags they would turn integers into floats.
     dtype: Any = variable.values.dtype
     if dtype.kind == "O":  # texts, of any length: the library compresses none
@@ -117,7 +116,6 @@ def _add(
 
 
 def _attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes in the types that netCDF4 takes: arrays, floats, 32-bit integers, texts."""
     return {
         name: value
         if isinstance(value, np.ndarray | float)

@@ -108,7 +108,6 @@ def _native(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _attributes(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as tables have them: numbers of Python, and an array of flags."""
     attributes = {
         name: value.item() if isinstance(value, np.generic) else value
         for name, value in raw.items()

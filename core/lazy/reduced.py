@@ -200,7 +200,6 @@ class Reduced(Prepared):
 
 
 def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
-    """Return axes that stay, reduced axes as scalars with their ends, and quantiles."""
     # CF's bounds would be its own way, but its checker knows none of a scalar.
     asked, grid = prepared.asked, prepared.grid
     coordinates = coordinates_of(prepared.plan, grid)
@@ -218,7 +217,6 @@ def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
 
 
 def _outputs(prepared: Reduced) -> tuple[str, ...]:
-    """Return the outputs with statistics and quantiles: those that are no flags."""
     asked, plan = prepared.asked, prepared.plan
     if not (asked.statistics or asked.quantiles):
         return ()
@@ -265,7 +263,6 @@ def statistics_of(prepared: Reduced) -> Iterator[Statistic]:
 
 
 def _of_output(prepared: Reduced, output: str) -> Iterator[Statistic]:
-    """Yield count, statistics and quantiles of an output."""
     asked, quantity, dims = prepared.asked, QUANTITIES[output], prepared.kept(output)
     label, over = quantity.label.lower(), "".join(f"{axis}: " for axis in asked.over)
     counted = {"ancillary_variables": f"{output}_count"}

@@ -246,7 +246,6 @@ def _first(values: Any, numbers: Any, extreme: Any, along: Any) -> Any:
 
 
 def _joined(parts: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
-    """Return the moments of several blocks together."""
     along: Any = {"axis": axis, "keepdims": True}
     moments: dict[str, Any] = {}
     with np.errstate(invalid="ignore", divide="ignore"):

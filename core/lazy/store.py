@@ -119,7 +119,6 @@ class Blocks:
 def _computed(
     function: Callable[[int, Watch], Any], numbers: Sequence[int], at_once: int, watch: Watch
 ) -> Iterator[tuple[int, Any]]:
-    """Yield blocks and their results, as many `at_once` as dask is told of."""
     for start in range(0, len(numbers), at_once):
         some = numbers[start : start + at_once]
         with watched(watch.part(len(some) / len(numbers))):

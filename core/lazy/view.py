@@ -73,7 +73,6 @@ class ZarrView:
         return math.prod(array.chunks) * array.dtype.itemsize
 
     def _find(self, key: str) -> tuple[str, tuple[int, ...]]:
-        """Return the array and the position of the chunk that a key means."""
         name, _, rest = key.partition("/")
         found = _CHUNK.fullmatch(rest)
         if name in self._arrays and found is not None:
@@ -84,7 +83,6 @@ class ZarrView:
         raise KeyError(key)
 
     def _chunk(self, name: str, index: tuple[int, ...]) -> bytes:
-        """Return the bytes of a chunk, filled up at the end of an axis."""
         array, grid = self._arrays[name], self._sweep.grid
         ends = [
             (i * length, min((i + 1) * length, size))

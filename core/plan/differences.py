@@ -268,7 +268,6 @@ class _Model:
         return np.stack([slopes.slope, error, np.broadcast_to(status, error.shape)])
 
     def _may_be(self, near: Mapping[str, Array], parameter: str, to: Array) -> Mask:
-        """True for values that a parameter may have beside those of all others."""
         quantity = QUANTITIES[parameter]
         unit = np.deg2rad(1.0) if quantity.is_angle else 1.0
         lower, upper = quantity.lower * unit, quantity.upper * unit
@@ -400,7 +399,6 @@ class Asked(Added):
 
 
 def _names(output: str, parameter: str) -> tuple[str, str, str]:
-    """Return the names of a derivative, of its error, and of the elasticity."""
     derivative = f"derivative_{output}_by_{parameter}"
     return derivative, f"{derivative}_error", f"sensitivity_{output}_to_{parameter}"
 
@@ -454,7 +452,6 @@ def cells_of(plan: Plan, grid: Grid) -> dict[str, NDArray[np.float64]]:
 
 
 def _per(output: str, parameter: str) -> str:
-    """Return the unit of a derivative, such as ``m s-1 Hz-1``; ``"1"`` without any."""
     units = "" if QUANTITIES[output].unit == "1" else QUANTITIES[output].unit
     for unit, power in re.findall(r"([A-Za-z]+)(-?\d+)?", QUANTITIES[parameter].unit):
         inverse = -int(power or 1)

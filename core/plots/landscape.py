@@ -241,7 +241,6 @@ def _objective(problem: OptimisationProblem, grid: Array, design: Mapping[str, A
 
 
 def _excluding(margin: Array) -> Array:
-    """Return the margin of a constraint with NaN replaced by a negative margin."""
     finite = margin[np.isfinite(margin)]
     return np.nan_to_num(margin, nan=min(float(finite.min(initial=0.0)), -np.finfo(float).eps))
 
@@ -329,7 +328,6 @@ def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> lis
 
 
 def _star(axes: Axes, x: Array, y: Array, style: Style) -> Artist:
-    """Mark the optimum at (x, y) with a star; return its legend entry."""
     look: Any = {"marker": "*", "color": style.accent, "mec": style.ground, "ls": ""}
     axes.plot(x, y, ms=style.width(17), clip_on=False, zorder=6, **look)
     return Line2D([], [], ms=style.width(12), label="optimum", **look)

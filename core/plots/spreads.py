@@ -411,7 +411,6 @@ def _draw_pair(panel: Axes, x: Array, y: Array, density: Array, style: Style) ->
 
 
 def _pair_density(dataset: xarray.Dataset, across: str, below: str) -> Array:
-    """Return the posterior density of two unknowns, shape (below, across)."""
     for name in (f"density_{across}_{below}", f"density_{below}_{across}"):
         if name in dataset:
             return np.asarray(dataset[name].transpose(below, across).values, dtype=np.float64)
@@ -420,7 +419,6 @@ def _pair_density(dataset: xarray.Dataset, across: str, below: str) -> Array:
 
 
 def _interval(dataset: xarray.Dataset, name: str, units: ShownUnits) -> str:
-    """Return name and 95 % interval of an unknown as a text."""
     ends = [dataset[f"{end}_95_{name}"] for end in ("lower", "upper")]
     shown = shown_in(xarray.concat(ends, "end", combine_attrs="override"), units)
     low, high = (number(float(end) * shown.factor, 3) for end in ends)

@@ -354,7 +354,6 @@ def spells(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:
 
 
 def _look(mode: str, style: Style) -> tuple[str, RGB]:
-    """Return hatch and background colour for what a part does."""
     hatch, colour = ("", style.ground) if mode == "flight" else MODES.get(mode, ("", "#b0b0b0"))
     return hatch, mix(colour, style.ground, PALE)
 

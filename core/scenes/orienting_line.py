@@ -353,7 +353,6 @@ def any_line(shape: str) -> tuple[Equation, ...]:
 
 
 def _unfitted(**values: Any) -> Any:
-    """Return the devices of a line [1]."""
     raise NotImplementedError  # the scene must first be fitted to the devices of a study
 
 

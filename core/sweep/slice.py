@@ -224,5 +224,4 @@ def _position_of(grid: Grid, name: str, at: Mapping[str, str]) -> int:
 
 
 def _labelled(values: Any, dims: tuple[str, ...]) -> dict[str, Any]:
-    """Return an array with its dimensions as a document."""
     return {"dims": list(dims), "data": np.ascontiguousarray(values)}

@@ -42,7 +42,6 @@ def bundle() -> Response:
 
 
 def _page(name: str) -> Response:
-    """Return a file of the page, which browsers check for changes at each visit."""
     return FileResponse(FILES / name, headers={"Cache-Control": "no-cache"})
 
 

@@ -339,6 +339,5 @@ def _applied_preferences(wishes: Preferences) -> str:
 
 
 def _missing(process: str) -> NoSuchProcessError:
-    """Return the error for an unknown process."""
     known = ", ".join(PROCESSES)
     return NoSuchProcessError(f"There is no process '{process[:80]}'. The processes are {known}.")

@@ -340,7 +340,6 @@ async def get_netcdf(
 
 
 def _filename(key: str) -> str:
-    """Return the name of a sweep's file for downloads."""
     return f"vibrafeed-{key[:12]}.nc"
 
 

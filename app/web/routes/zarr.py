@@ -66,7 +66,6 @@ async def get_zarr(
 
 
 def _key_reply(request: Request, views: ZarrViews, key: str, path: str) -> Response:
-    """Return the reply to a request for a path of a sweep's group."""
     view = views.view(key)
     missing = NotFoundError(
         f"This sweep has no Zarr key '{path[:80]}'. Open the address that ends in /zarr with a "
