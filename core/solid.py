@@ -28,6 +28,8 @@ MAX_STABLE = 1_000
 RISE, ROUNDED = 5e-3, np.cos(np.radians(12))
 """Facets are one rounded side if their normals differ by up to 12 degrees, and the centre rises by
 less than this share of the size from one to the other."""
+EQUAL = 1e-6
+"""Share of the size, or of its square, up to which lengths and areas of rectangles are equal."""
 COMPARED = 64
 """Corners by which a turned hull is compared."""
 WORK = 100_000_000
@@ -289,7 +291,9 @@ def _least_rectangle(flat: Floats, base: Floats, size: float) -> tuple[float, fl
     middle = base - base.mean(axis=0)
     ring = base[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
     reach = np.minimum(_farthest(ring, along), _farthest(ring, -along))
-    best = np.lexsort(((reach / size).round(6), (lengths * widths / size**2).round(6)))[0]
+    areas = lengths * widths
+    reach = np.where(areas < areas.min() + EQUAL * size**2, reach, np.inf)
+    best = np.flatnonzero(reach < reach.min() + EQUAL * size)[0]
     width, length = sorted((float(lengths[best]), float(widths[best])))
     return length, width, along[best]
 

@@ -199,9 +199,10 @@ class Running:
         console.say(f"{path} -> {target}")
         show_result(facts, table, self.units, everything=self.checked is not None)
         began = time.perf_counter()
-        for line in nearest(table, units_asked(self.units), self.deadline):
-            console.tell(f"  {line}")
+        if lines := nearest(table, units_asked(self.units), self.deadline):
             seconds["searching"] = time.perf_counter() - began
+        for line in lines:
+            console.tell(f"  {line}")
         if facts["cells_computed"] < facts["cells"]:
             options = "--resume" if target.endswith(".nc") else "--resume --force"
             console.fail(f"  The same command with {options} computes the whole study again.")

@@ -216,13 +216,9 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
     _check_length(text)
     match = _TEXT.fullmatch(text.translate(_SIGNS))
     if match is None:
-        is_pair = "friction" in name and " on " in text
-        fix = (
-            f'Write {name} = {{ pair = "{text[:40]}" }}'
-            if is_pair
-            else _how_to_write(name, quantity)
+        raise UnitError(
+            f"{_shown(text)} is not a number with a unit", _how_to_write(name, quantity)
         )
-        raise UnitError(f"{_shown(text)} is not a number with a unit", fix)
     numerator, denominator = Decimal(match[1]).as_integer_ratio()
     unit = match[2]
     if _THOUSANDS.match(text.strip()):

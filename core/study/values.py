@@ -284,6 +284,9 @@ def read_values(name: str, raw: object) -> Values:
         return _read_paired(name, raw) if set(raw) == {DESIGN} else _read_span(name, quantity, raw)
     if isinstance(raw, list | tuple):
         return _read_points(name, quantity, raw)
+    if isinstance(raw, str) and "friction" in name and " on " in raw:
+        fix = f'Write {name} = {{ pair = "{raw[:40]}" }}'
+        raise UnitError(f"{raw[:60]!r} is not a number with a unit", fix)
     return Fixed(read_number(name, quantity, raw))
 
 

@@ -41,10 +41,13 @@ def text_of(raw: bytes) -> str:
     wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     # Without a mark, text in UTF-16 has a zero in every other byte, as no other text has.
     halves = [raw[start:2000:2].count(0) > len(raw[start:2000:2]) // 2 for start in (0, 1)]
-    plain = ("utf-8-sig", "cp1252") if b"\0" not in raw else ()
-    for encoding in ("utf-16",) if wide else ("utf-16-be",) if halves[0] else (
-        ("utf-16-le",) if halves[1] else plain
-    ):  # fmt: skip
+    if wide:
+        encodings = ["utf-16"]
+    elif any(halves):
+        encodings = ["utf-16-be" if halves[0] else "utf-16-le"]
+    else:
+        encodings = [] if b"\0" in raw else ["utf-8-sig", "cp1252"]
+    for encoding in encodings:
         try:
             return raw.decode(encoding).translate(SIGNS)
         except UnicodeDecodeError:
