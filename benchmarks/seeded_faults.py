@@ -168,7 +168,10 @@ def notices(tree: Path, fault: Fault, folders: Sequence[str]) -> bool:
 
 def fails(tree: Path, folders: Sequence[str]) -> bool:
     """Return whether a test of some folders fails."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", str(os.cpu_count()), *folders]
+    # Services and browsers wait, so their tests have more processes than there are cores.
+    processes = (os.cpu_count() or 1) + (0 if "tests/fast" in folders else 3)
+    schedule = ["-n", str(processes), "--dist", "loadfile", "--no-loadscope-reorder"]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", *schedule, *folders]
     environment = {**os.environ, "PYTHONPATH": str(tree)}
     done = subprocess.run(command, cwd=tree, env=environment, capture_output=True, check=False)
     return done.returncode != 0
