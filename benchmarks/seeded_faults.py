@@ -128,8 +128,16 @@ def faults_of(path: Path) -> Iterator[Fault]:
         name = path.relative_to(ROOT).as_posix()
         return Fault(kind, name, line, start, stop, text[start:stop], after)
 
+    tree = ast.parse(text)
+    cut = {one for node in ast.walk(tree) if isinstance(node, ast.Slice) for one in ast.walk(node)}
+    factors = {
+        one
+        for node in ast.walk(tree)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div)
+        for one in (node.left, node.right)
+    }
     before: str
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.BinOp) and type(node.op) in SIGNS:
             kind, (before, after) = "sign", SIGNS[type(node.op)]
             left, right = node.left, node.right
@@ -137,11 +145,11 @@ def faults_of(path: Path) -> Iterator[Fault]:
             kind, (before, after) = "comparison", COMPARISONS[type(node.ops[0])]
             left, right = node.left, node.comparators[0]
         elif isinstance(node, ast.Constant) and isinstance(node.value, int | float):
-            if isinstance(node.value, bool):
+            if isinstance(node.value, bool) or node in cut:  # where a text is cut off is no bound
                 continue
             start = place(node.lineno, node.col_offset)
             stop = place(node.end_lineno, node.end_col_offset)
-            if node.value in UNITS:
+            if node.value in UNITS and node in factors:  # else it is a tolerance
                 yield fault("unit", node.lineno, start, stop, UNITS[node.value])
             elif node.value > 1:
                 yield fault("bound", node.lineno, start, stop, repr(node.value * 2))
