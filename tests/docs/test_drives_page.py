@@ -19,7 +19,7 @@ PROSE = " ".join(TEXT.split())
 FOUND = [tomllib.loads(block) for block in re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)]
 BLOCKS = [block for block in FOUND if "drive" not in block]
 HEAD = {name: value for name, value in BLOCKS[0].items() if name != "parameters"}
-ELLIPSE, TWO, THREE, STEPPED, PRESSED = (block["parameters"] for block in BLOCKS)
+ELLIPSE, TWO, STEPPED, PRESSED = (block["parameters"] for block in BLOCKS)
 FRICTION = {"frequency": 50, "friction": 0.3}
 SPEED = "conveying_velocity"
 
