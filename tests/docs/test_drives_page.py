@@ -41,7 +41,11 @@ def test_every_study_of_the_page_moves_a_part(given: dict[str, Any]) -> None:
         (ELLIPSE, {}, "speed is {:.2f} mm/s"),
         (ELLIPSE, {"phase_normal_1": 0}, "line and a speed of {:.2f} mm/s"),
         (ELLIPSE, {"phase_normal_1": 110}, "degrees gives {:.2f} mm/s"),
-        (ELLIPSE, {"phase_normal_1": 0, "amplitude_normal_1": "0.095 mm"}, "travels at {:.1f} mm/s"),
+        (
+            ELLIPSE,
+            {"phase_normal_1": 0, "amplitude_normal_1": "0.095 mm"},
+            "travels at {:.1f} mm/s",
+        ),
         (ELLIPSE, {"amplitude_normal_1": "0.095 mm"}, "at {:.1f} mm/s with -70 degrees"),
         (TWO, {}, "moves at {:.2f} mm/s"),
         (STEPPED, {}, "{:.6f} mm/s"),
