@@ -16,7 +16,8 @@ def page() -> str:
     lines = [
         "# Coefficients of friction",
         "",
-        "`python -m benchmarks.friction_page` writes it from `core/materials/friction.toml`.",
+        "`python -m benchmarks.friction_page` writes this page from",
+        "`core/materials/friction.toml`.",
         "`vibrafeed materials`, `GET /friction` and `vibrafeed.friction()` return the same table.",
         "",
         "## How far to trust them",
