@@ -16,8 +16,9 @@ def page() -> str:
     lines = [
         "# Coefficients of friction",
         "",
-        "Written by `python -m benchmarks.friction_page` from `core/materials/friction.toml`.",
-        "The same table: `vibrafeed materials`, `GET /friction`, `vibrafeed.friction()`.",
+        "`python -m benchmarks.friction_page` writes this page from",
+        "`core/materials/friction.toml`.",
+        "`vibrafeed materials`, `GET /friction` and `vibrafeed.friction()` return the same table.",
         "",
         "## How far to trust them",
         "",
@@ -29,9 +30,9 @@ def page() -> str:
         "",
         "## Pairs",
         "",
-        "Part and track can be exchanged. Numbers in the last column are those of the sources.",
+        "Part and track can be exchanged. The last column gives the number of the source below.",
         "",
-        "| part | track | surface | static | kinetic | kind not told | source |",
+        "| part | track | surface | static | kinetic | kind not stated | source |",
         "| --- | --- | --- | --- | --- | --- | --- |",
     ]
     for row in found["pairs"]:

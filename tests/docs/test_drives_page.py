@@ -19,7 +19,7 @@ PROSE = " ".join(TEXT.split())
 FOUND = [tomllib.loads(block) for block in re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)]
 BLOCKS = [block for block in FOUND if "drive" not in block]
 HEAD = {name: value for name, value in BLOCKS[0].items() if name != "parameters"}
-ELLIPSE, TWO, THREE, STEPPED, PRESSED = (block["parameters"] for block in BLOCKS)
+ELLIPSE, TWO, STEPPED, PRESSED = (block["parameters"] for block in BLOCKS)
 FRICTION = {"frequency": 50, "friction": 0.3}
 SPEED = "conveying_velocity"
 
@@ -39,10 +39,14 @@ def test_every_study_of_the_page_moves_a_part(given: dict[str, Any]) -> None:
     ("given", "changes", "says"),
     [
         (ELLIPSE, {}, "speed is {:.2f} mm/s"),
-        (ELLIPSE, {"phase_normal_1": 0}, "it is {:.2f} mm/s"),
-        (ELLIPSE, {"phase_normal_1": 110}, "degrees {:.2f} mm/s"),
-        (ELLIPSE, {"phase_normal_1": 0, "amplitude_normal_1": "0.095 mm"}, "travels {:.1f} mm/s"),
-        (ELLIPSE, {"amplitude_normal_1": "0.095 mm"}, "{:.1f} mm/s at -70 degrees"),
+        (ELLIPSE, {"phase_normal_1": 0}, "line and a speed of {:.2f} mm/s"),
+        (ELLIPSE, {"phase_normal_1": 110}, "degrees gives {:.2f} mm/s"),
+        (
+            ELLIPSE,
+            {"phase_normal_1": 0, "amplitude_normal_1": "0.095 mm"},
+            "travels at {:.1f} mm/s",
+        ),
+        (ELLIPSE, {"amplitude_normal_1": "0.095 mm"}, "at {:.1f} mm/s with -70 degrees"),
         (TWO, {}, "moves at {:.2f} mm/s"),
         (STEPPED, {}, "{:.6f} mm/s"),
         (PRESSED, {}, "{:.3f} mm/s"),

@@ -55,9 +55,9 @@ def test_the_page_is_up_to_date() -> None:
 @pytest.mark.parametrize(
     ("words", "told", "other"),
     [
-        (["abs", "steel"], ["ABS", "0.35", "Handbook of Surface Improvement", "to start from"],
+        (["abs", "steel"], ["ABS", "0.35", "Handbook of Surface Improvement", "first estimate"],
          "Lust"),
-        ([], ["Polyurethane linings grip"], "No row"),
+        ([], ["Polyurethane linings have high friction"], "No row"),
         (["--leaves", "glass", "epoxy"], ["18.6", "Accurate Plastics"], "Tokai"),
     ],
 )  # fmt: skip
