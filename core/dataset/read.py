@@ -23,7 +23,7 @@ def attributes_of_file(path: Path) -> dict[str, Any]:
     """
     import h5netcdf
 
-    with path.open("rb"):  # the system says why it cannot be read; the library only that
+    with path.open("rb"):  # the system's error says why it cannot be read, the library's does not
         pass
     try:
         with h5netcdf.File(path) as file:

@@ -43,10 +43,10 @@ def friction(words: str = "") -> dict[str, Any]:
     ('ABS', 'steel', [0.3, 0.3])
     """
     data = _data("friction.toml")
-    wanted = words.lower().split()
-    pairs = _rows(data["pairs"], wanted, WORDS, VALUES[:3])
-    of_rebounds = tuple(name for name in WORDS if name != "surface")
-    rebounds = _rows(data["rebounds"], wanted, of_rebounds, VALUES[3:])
+    search_words = words.lower().split()
+    pairs = _rows(data["pairs"], search_words, WORDS, VALUES[:3])
+    rebound_columns = tuple(name for name in WORDS if name != "surface")
+    rebounds = _rows(data["rebounds"], search_words, rebound_columns, VALUES[3:])
     return {
         **{name: list(data[name]) for name in ("about", "surfaces", "restitution_notes")},
         "pairs": pairs,
@@ -115,27 +115,27 @@ def shown(row: Mapping[str, Any], value: str) -> str:
     `row` is a row of the table and `value` the column's name, such as ``static``; an empty text if
     the row has no such range (None).
     """
-    found = row[value]
-    if found is None:
+    ends = row[value]
+    if ends is None:
         return ""
-    least, largest = (f"{number:g}" for number in found)
-    return least if least == largest else f"{least} to {largest}"
+    lower, upper = (f"{number:g}" for number in ends)
+    return lower if lower == upper else f"{lower} to {upper}"
 
 
 def _rows(
     rows: Iterable[Mapping[str, Any]],
-    wanted: Collection[str],
-    words: Sequence[str],
-    values: Sequence[str],
+    search_words: Collection[str],
+    text_columns: Sequence[str],
+    number_columns: Sequence[str],
 ) -> list[dict[str, Any]]:
     return [
         {
-            **{name: row.get(name, "") for name in words},
-            **{name: row.get(name) for name in values},
+            **{name: row.get(name, "") for name in text_columns},
+            **{name: row.get(name) for name in number_columns},
             "source": row["source"],
         }
         for row in rows
-        if _holds(row, wanted, words)
+        if _holds(row, search_words, text_columns)
     ]
 
 

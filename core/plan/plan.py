@@ -113,8 +113,7 @@ class Plan:
         Plans are kept for the next call, since every slice asks for one.
         """
         if output not in self._known:
-            walk = _Walk(self.scene, self.variant, self.parameters, (output,))
-            self._known[output] = walk.plan()
+            self._known[output] = _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
         return self._known[output]
 
     def part(self, names: Collection[str]) -> "Plan":
@@ -122,11 +121,11 @@ class Plan:
         verdicts = tuple(verdict for verdict in self.verdicts if verdict.name in names)
         outputs = tuple(name for name in names if name not in self.verdict_names)
         wanted = [*outputs, *(name for verdict in verdicts for name in verdict.inputs)]
-        needed = behind(wanted, {e.gives: e for e in self.equations}.get)
+        needed = behind(wanted, {equation.gives: equation for equation in self.equations}.get)
         return replace(
             self,
             outputs=outputs,
-            equations=tuple(e for e in self.equations if e.gives in needed),
+            equations=tuple(equation for equation in self.equations if equation.gives in needed),
             verdicts=verdicts,
             parameters=tuple(name for name in self.parameters if name in needed),
             defaults={name: value for name, value in self.defaults.items() if name in needed},
@@ -138,18 +137,19 @@ class Plan:
         A quantity is computed over its own axes only, which saves most of the work on a large grid.
         `along` has the axis of each ranged parameter.
         """
-        names = tuple(along.items())
-        if names not in self._known:
-            known = {
-                name: frozenset(axis for one, axis in names if one == name)
+        axis_of_parameter = tuple(along.items())
+        if axis_of_parameter not in self._known:
+            depends = {
+                name: frozenset(axis for parameter, axis in axis_of_parameter if parameter == name)
                 for name in self.parameters
             }
-            known |= dict.fromkeys(self.defaults, frozenset())
-            steps = {one.gives: one.inputs for one in self.equations}
-            for name, inputs in (steps | {one.name: one.inputs for one in self.verdicts}).items():
-                known[name] = frozenset().union(*(known[needed] for needed in inputs))
-            self._known[names] = known
-        return dict(self._known[names])
+            depends |= dict.fromkeys(self.defaults, frozenset())
+            inputs_of = {equation.gives: equation.inputs for equation in self.equations}
+            inputs_of |= {verdict.name: verdict.inputs for verdict in self.verdicts}
+            for name, inputs in inputs_of.items():
+                depends[name] = frozenset().union(*(depends[needed] for needed in inputs))
+            self._known[axis_of_parameter] = depends
+        return dict(self._known[axis_of_parameter])
 
     @cached_property
     def _known(self) -> dict[Any, Any]:  # by output and by axes
@@ -163,29 +163,39 @@ def verdicts_of(conditions: Sequence[Condition], outputs: Sequence[str]) -> tupl
     not valid or speaks of single outputs; one that tells the state of the part, such as stick,
     parts no outputs. What holds in every regime (`EXACT`) has no verdict of its own.
     """
-    of_contact = {*_judging(conditions, REGIME)}
-    concerned = [name for name in outputs if any(name in one.outputs for one in conditions)]
+    of_contact = {*_judging_conditions(conditions, REGIME)}
+    judged = [
+        name for name in outputs if any(name in condition.outputs for condition in conditions)
+    ]
     groups: dict[tuple[Condition, ...], list[str]] = {}
-    for name in concerned:
+    for name in judged:
         if name not in EXACT:
-            groups.setdefault(_judging(conditions, name), []).append(name)
+            groups.setdefault(_judging_conditions(conditions, name), []).append(name)
     if not groups:
-        groups[()] = concerned or list(outputs)
-    # The one nearest to the contact: it shares most with it, and asks least besides.
-    first = max(groups, key=lambda one: (len(of_contact & {*one}), -len({*one} - of_contact)))
-    ordered = {first: groups.pop(first), **groups}
+        groups[()] = judged or list(outputs)
+    # The verdict on the contact: the group that shares most conditions with those of the contact,
+    # and has fewest others.
+    contact_group = max(
+        groups,
+        key=lambda group: (len(of_contact & {*group}), -len({*group} - of_contact)),
+    )
+    ordered = {contact_group: groups.pop(contact_group), **groups}
     return tuple(
         Verdict(
-            REGIME if judging is first else f"{REGIME}_{names[0]}",
+            REGIME if group is contact_group else f"{REGIME}_{names[0]}",
             tuple(name for name in names if name not in (REGIME, *EXACT)),
-            tuple(one for one in conditions if one.outputs & set(names)),
+            tuple(condition for condition in conditions if condition.outputs & set(names)),
         )
-        for judging, names in ordered.items()
+        for group, names in ordered.items()
     )
 
 
-def _judging(conditions: Sequence[Condition], output: str) -> tuple[Condition, ...]:
-    return tuple(one for one in conditions if output in one.outputs and REGIMES[one.regime].judges)
+def _judging_conditions(conditions: Sequence[Condition], output: str) -> tuple[Condition, ...]:
+    return tuple(
+        condition
+        for condition in conditions
+        if output in condition.outputs and REGIMES[condition.regime].judges
+    )
 
 
 def find_scene(
@@ -227,26 +237,26 @@ def plan_scene(
     variant: str,
     outputs: Collection[str],
     parameters: Collection[str],
-    spare: Collection[str] = (),
+    optional: Collection[str] = (),
 ) -> Plan:
     """Return the plan for outputs of a scene, given the names of a study's parameters.
 
-    Those among `spare` may be parameters of the scene that the outputs do not use. Raises
+    Those among `optional` may be parameters of the scene that the outputs do not use. Raises
     `StudyError` with every problem.
     """
     scene = scene.fitted(parameters)
-    gives, suggest = scene.outputs(variant), Suggestions()
-    unknown = (name for name in outputs if name not in gives)
-    problems = [_unknown_output(scene, variant, name, suggest) for name in unknown]
-    known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in gives)
+    known, suggestions = scene.outputs(variant), Suggestions()
+    unknown = (name for name in outputs if name not in known)
+    problems = [_unknown_output(scene, variant, name, suggestions) for name in unknown]
+    known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in known)
     walk = _Walk(scene, variant, parameters, known_outputs)
-    problems += _doubled(parameters, walk.missing)
-    problems += [_missing(scene, name, user) for name, user in walk.missing.items()]
+    problems += _problems_of_alternatives(parameters, walk.missing)
+    problems += [_problem_of_missing(scene, name, user) for name, user in walk.missing.items()]
     if known_outputs:  # otherwise nothing is known to be used, and every parameter would be blamed
-        blamed = {problem.place.removeprefix("parameters.") for problem in problems}
-        blamed |= {*spare} & {*scene_parameters(scene, variant)}
-        unused = (name for name in parameters if name not in walk.used | blamed)
-        problems += [_unused(scene, variant, name, known_outputs) for name in unused]
+        reported = {problem.place.removeprefix("parameters.") for problem in problems}
+        reported |= {*optional} & {*scene_parameters(scene, variant)}
+        unused = (name for name in parameters if name not in walk.used | reported)
+        problems += [_problem_of_unused(scene, variant, name, known_outputs) for name in unused]
     raise_any(problems)
     return walk.plan()
 
@@ -302,41 +312,50 @@ class _Walk:
         # An alternative parameter of the study, such as a stroke for an amplitude, comes first.
         parameters = set(self.parameters)
         for alias in ALIASES:
-            asked = {one for one in alias.inputs if QUANTITIES[one].parameter} - BESIDE
-            if alias.gives == name and asked <= parameters:
+            required = {needed for needed in alias.inputs if QUANTITIES[needed].parameter} - BESIDE
+            if alias.gives == name and required <= parameters:
                 return alias
         equation = self.producers.get(name)
         if equation is None or name not in self.scene_defaults:
             return equation
         # A default of a derived quantity: the equation runs only if the study asks for it, or sets
         # one of its inputs, or an alternative to one.
-        inputs = (self.producers.get(one) for one in equation.inputs if QUANTITIES[one].parameter)
-        told = any(one is not None and set(one.inputs) <= parameters for one in inputs)
-        return equation if told or name in self.outputs or parameters & {*equation.inputs} else None
+        input_producers = (
+            self.producers.get(needed) for needed in equation.inputs if QUANTITIES[needed].parameter
+        )
+        is_given_by_alias = any(
+            producer is not None and set(producer.inputs) <= parameters
+            for producer in input_producers
+        )
+        is_needed = name in self.outputs or parameters & {*equation.inputs} or is_given_by_alias
+        return equation if is_needed else None
 
 
-def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
-    told = _other_way(scene, variant, name)
-    if told is None:
-        told = f"{scene.name} has no output '{name[:60]}'", suggest(name, scene.outputs(variant))
-    return Problem("outputs", *told, about=name)
+def _unknown_output(scene: Scene, variant: str, name: str, suggestions: Suggestions) -> Problem:
+    texts = _where_output_exists(scene, variant, name)
+    if texts is None:
+        texts = (
+            f"{scene.name} has no output '{name[:60]}'",
+            suggestions(name, scene.outputs(variant)),
+        )
+    return Problem("outputs", *texts, about=name)
 
 
-def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
-    others = [v for v in scene.variants if name in scene.outputs(v)]
-    if others:
+def _where_output_exists(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
+    variants = [variant_ for variant_ in scene.variants if name in scene.outputs(variant_)]
+    if variants:
         return (
             f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
-            f"Set {scene.choice} to {' or '.join(others)}",
+            f"Set {scene.choice} to {' or '.join(variants)}",
         )
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
-        gives = name in closed.outputs(closed.default_variant)
+        exists = name in closed.outputs(closed.default_variant)
     else:
         here, there, kind = "sweep", "simulation", "simulate"
-        gives = name in RESULTS or name in FEEDING
-    if not gives:
+        exists = name in RESULTS or name in FEEDING
+    if not exists:
         return None
     other = by_synonym(name, scene.outputs(variant))
     if other is None:
@@ -347,13 +366,15 @@ def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
     )
 
 
-def _doubled(parameters: Collection[str], missing: Collection[str]) -> Iterator[Problem]:
+def _problems_of_alternatives(
+    parameters: Collection[str], missing: Collection[str]
+) -> Iterator[Problem]:
     for name, others in ALTERNATIVES:
-        doubled = [other for other in others if name in parameters and other in parameters]
-        if doubled:
+        also_given = [other for other in others if name in parameters and other in parameters]
+        if also_given:
             yield Problem(
                 f"parameters.{name}",
-                f"{name} and {' and '.join(doubled)} set the same quantity",
+                f"{name} and {' and '.join(also_given)} set the same quantity",
                 f"Give either {name} or {' and '.join(others)}",
             )
     for name, (needed, message, example) in NEEDS.items():
@@ -361,7 +382,7 @@ def _doubled(parameters: Collection[str], missing: Collection[str]) -> Iterator[
             yield Problem(f"parameters.{name}", message, f"Add {needed} = {example}")
 
 
-def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
+def _problem_of_missing(scene: Scene, name: str, needed_by: str) -> Problem:
     written = WRITTEN_AS.get(name, name)
     quantity = QUANTITIES[written]
     needed = f"{scene.name} needs it"
@@ -375,7 +396,7 @@ def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
     )
 
 
-def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
+def _problem_of_unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
     path = f"parameters.{name}"
     if name in DRIVE and "wave" not in scene.producers(variant):
         return Problem(
@@ -450,7 +471,9 @@ def regimes_of(verdicts: Sequence[Verdict], known: Mapping[str, Any]) -> dict[st
     with too_large_is_data():
         holds = {
             condition: condition.function(**{name: known[name] for name in condition.inputs})
-            for condition in dict.fromkeys(one for v in verdicts for one in v.conditions)
+            for condition in dict.fromkeys(
+                condition for verdict in verdicts for condition in verdict.conditions
+            )
         }
         for verdict in verdicts:
             regime: Any = np.int8(REGIMES[verdict.otherwise].value)

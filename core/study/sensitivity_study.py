@@ -127,10 +127,10 @@ class SensitivityStudy(DrivenStudy):
     @field_validator("quantiles")
     @classmethod
     def _ascending(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        wrong = [one for one in value if not 0 < one < 1]
-        if wrong:
+        outside = [quantile for quantile in value if not 0 < quantile < 1]
+        if outside:
             raise refusal(
-                f"the quantile {wrong[0]:g} is not between 0 and 1",
+                f"the quantile {outside[0]:g} is not between 0 and 1",
                 "Write quantiles as shares, such as 0.05 for five per cent",
             )
         if list(value) != sorted(set(value)):
