@@ -256,9 +256,9 @@ def _unit(entry: Mapping[str, Any]) -> str:
 
 
 def _parameter(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    least, most = entry["lower"], entry["upper"]
-    ends = [] if least is None else [f"{'>' if entry['lower_excluded'] else '>='} {least:g}"]
-    ends += [] if most is None else [f"<= {most:g}"]
+    lower, upper = entry["lower"], entry["upper"]
+    ends = [] if lower is None else [f"{'>' if entry['lower_excluded'] else '>='} {lower:g}"]
+    ends += [] if upper is None else [f"<= {upper:g}"]
     default = "" if entry["default"] is None else f"{entry['default']:g}"
     others = f"For {', '.join(entry['instead_of'])}: " if entry["instead_of"] else ""
     return (entry["name"], _unit(entry), default, ", ".join(ends), others + entry["description"])
@@ -269,6 +269,7 @@ def _output(entry: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _aligned(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    # Columns of equal width; the last one has what is left of the line.
     table = [headings, *rows]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)][:-1]
     lines = []

@@ -188,7 +188,7 @@ class _LinkedPart(_Library):
 
     @property
     def has_dynamic_globals(self) -> bool:
-        names = (one.name for one in self._final_module.global_variables)
+        names = (variable.name for variable in self._final_module.global_variables)
         return any(name.startswith("numba.dynamic.globals") for name in names)
 
     def _get_module_for_linking(self) -> Any:

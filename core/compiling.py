@@ -46,8 +46,8 @@ class Stopwatch:
             self._listeners.remove(listener)
 
     def _tell(self, compiles: bool) -> None:
-        for told in tuple(self._listeners):
-            told(compiles)
+        for listener in tuple(self._listeners):
+            listener(compiles)
 
 
 stopwatch = Stopwatch()

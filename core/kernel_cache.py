@@ -84,11 +84,11 @@ def sources(package: str) -> tuple[Path, ...]:
 
 def imported(text: str) -> Iterator[Path]:
     """Yield the paths of the modules of this project that a module's source imports."""
-    for module, names, whole in IMPORT.findall(text):
-        file = _file_of(module or whole)
+    for module, names, module_alone in IMPORT.findall(text):
+        file = _file_of(module or module_alone)
         is_module = file is not None and file.name != "__init__.py"  # its names are no files
-        below = [] if is_module else re.findall(r"\w+", names)
-        yield from filter(None, (file, *(_file_of(f"{module}.{name}") for name in below)))
+        names_imported = [] if is_module else re.findall(r"\w+", names)
+        yield from filter(None, (file, *(_file_of(f"{module}.{name}") for name in names_imported)))
 
 
 @functools.cache
@@ -113,8 +113,8 @@ def digest(package: str) -> str:
 @functools.cache
 def root() -> Path:
     """Return the folder of the kernel cache: `NUMBA_CACHE_DIR`, or in the user's cache."""
-    own = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
-    return Path(_settings.CACHE_DIR or own.user_cache_dir)
+    folders = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
+    return Path(_settings.CACHE_DIR or folders.user_cache_dir)
 
 
 @functools.cache

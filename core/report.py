@@ -260,12 +260,13 @@ class _Witnessed:
     trusted: NDArray[np.bool_]
     tried: int
 
-    def group(self, where: NDArray[np.bool_]) -> tuple[dict[str, Array], Array]:
-        here = {name: values[where] for name, values in self.cells.items()}
-        return here, self.truth.velocity[where]
+    def group(self, is_in_group: NDArray[np.bool_]) -> tuple[dict[str, Array], Array]:
+        cells_of_group = {name: values[is_in_group] for name, values in self.cells.items()}
+        return cells_of_group, self.truth.velocity[is_in_group]
 
 
 def _motions(prepared: Prepared, watch: Watch) -> Report:
+    # Error and time of the method events over its tolerance, of sliding and of hopping cells.
     study: Any = prepared.study
     limits = {name: value for name, value in study.settings().items() if name == "max_periods"}
     witnessed = _witnessed(prepared, limits, watch)
@@ -371,6 +372,7 @@ def _both_kinds(candidates: NDArray[np.intp], hops: NDArray[np.bool_], count: in
 
 
 def _median_seconds(run: Callable[[], object]) -> float:
+    # Each repeat makes so many calls that it takes some milliseconds.
     started = time.perf_counter()
     run()
     calls = max(1, int(LEAST_SECONDS / max(time.perf_counter() - started, 1e-7)))

@@ -35,6 +35,7 @@ def study_schema() -> Schema:
 
 
 def _with_names(schema: Schema, kind: Kind) -> Schema:
+    # The schema of a kind with the names of its scenes, outputs and variants.
     first_scenes, properties = kind.scenes[0], {**schema["properties"]}
     scenes_with_outputs = [scene for scenes in kind.scenes for scene in scenes.values()]
     outputs = {
@@ -95,6 +96,7 @@ def _text(schema: Mapping[str, Any]) -> str:
 
 
 def _map_children(schema: Any, change: Any) -> Any:
+    # Applies a function to each schema that stands directly within another one.
     if not isinstance(schema, dict):
         return schema
     changed: Schema = {**schema}

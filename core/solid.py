@@ -240,6 +240,7 @@ def aspects_of(solid: Trimesh) -> tuple[PartAspect, ...]:
 
 
 def _groups_of_turned_faces(hull: Hull, faces: Indices, shares: Floats) -> list[list[int]]:
+    # Stable faces that a rotation of the hull turns into each other are one group.
     groups: list[list[int]] = []
     for face in faces[: MAX_STABLE + 1]:
         for group in groups:
@@ -282,8 +283,8 @@ def _aspect(hull: Hull, gyration: Floats, face: int, let_down: float, thrown: fl
 
 def _reach(base: Floats, direction: Floats) -> float:
     """The shorter distance from the foot of the centre to both ends of the base."""
-    there = base @ direction
-    return float(min(there.max(), -there.min()))
+    positions = base @ direction
+    return float(min(positions.max(), -positions.min()))
 
 
 def _least_rectangle(points: Floats, base: Floats, size: float) -> tuple[float, float, Floats]:
@@ -310,10 +311,12 @@ def _least_rectangle(points: Floats, base: Floats, size: float) -> tuple[float, 
     return length, width, along[best]
 
 
-def _farthest(rim: Floats, directions: Floats) -> Floats:
-    sides = np.roll(rim, -1, axis=0) - rim
-    turned = np.unwrap(np.arctan2(sides[:, 1], sides[:, 0]))
+def _farthest(corners: Floats, directions: Floats) -> Floats:
+    sides = np.roll(corners, -1, axis=0) - corners
+    side_angles = np.unwrap(np.arctan2(sides[:, 1], sides[:, 0]))
     # A side at a right angle to the direction ends in the farthest corner.
-    quarter = np.arctan2(directions[:, 0], -directions[:, 1])
-    first = np.searchsorted(turned, turned[0] + (quarter - turned[0]) % (2 * np.pi))
-    return np.asarray(np.einsum("ij,ij->i", rim[first % len(rim)], directions))
+    right_angle = np.arctan2(directions[:, 0], -directions[:, 1])
+    side_number = np.searchsorted(
+        side_angles, side_angles[0] + (right_angle - side_angles[0]) % (2 * np.pi)
+    )
+    return np.asarray(np.einsum("ij,ij->i", corners[side_number % len(corners)], directions))

@@ -246,8 +246,11 @@ What comes first is meant where several are known.
 
 def by_synonym(name: str, known: Iterable[str]) -> str | None:
     """Return the known name for which a typed word is a synonym; None if there is none."""
-    choice = frozenset(known)
-    return next((one for one in OTHER_NAMES.get(_plain(name), ()) if one in choice), None)
+    known_names = frozenset(known)
+    return next(
+        (candidate for candidate in OTHER_NAMES.get(_plain(name), ()) if candidate in known_names),
+        None,
+    )
 
 
 def _plain(name: str) -> str:
@@ -283,6 +286,8 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def _may_mean(typed: str, name: str) -> bool:
+    # True for the start of a name, nearly its spelling, or its words, each perhaps misspelt; not
+    # with a short word added, which may be a unit.
     name = _plain(name)
     added_words = {*typed.split("_")} - {*name.split("_")}
     if not name.startswith(typed) and any(
@@ -327,9 +332,9 @@ def relation(name: str, known: Iterable[str]) -> tuple[str, str] | None:
 
 def intended(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that a user probably intended or has a quantity for; None without."""
-    choice = [*known]
-    related = relation(name, choice)
-    return related[0] if related is not None else nearest(name, choice)
+    known_names = [*known]
+    related = relation(name, known_names)
+    return related[0] if related is not None else nearest(name, known_names)
 
 
 FEWEST_OF_A_FAMILY = 3
@@ -372,6 +377,7 @@ class Suggestions:
 
 
 def _in_families(names: Iterable[str]) -> list[str]:
+    # Names that differ by a number alone are one text, such as `gap_1 to _9`.
     families: dict[str, list[str]] = {}
     for name in names:
         stem, _, number = name.rpartition("_")

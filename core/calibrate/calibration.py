@@ -206,17 +206,17 @@ class Calibration(Prepared):
     @cached_property
     def variables(self) -> dict[str, ResultVariable]:
         """Every variable of the result by name, in the order in which they are stored."""
-        return {one.name: one for one in _variables(self)}
+        return {variable.name: variable for variable in _variables(self)}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable."""
-        return {name: one.unit for name, one in self.variables.items()}
+        return {name: variable.unit for name, variable in self.variables.items()}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The names of the dimensions of each variable."""
-        return {name: one.dims for name, one in self.variables.items()}
+        return {name: variable.dims for name, variable in self.variables.items()}
 
     @property
     def pairs(self) -> list[tuple[str, str]]:

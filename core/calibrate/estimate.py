@@ -256,6 +256,8 @@ def _best_estimates(
 def _by_run(
     prepared: Calibration, posterior: Posterior, arrays: Mapping[str, Array]
 ) -> dict[str, Array]:
+    # Measured and predicted value of each run, and its residual over the standard deviation of
+    # both.
     model = prepared.model
     runs = model.runs
     best = np.array([[float(arrays[f"best_{name}"]) for name in model.names]])
@@ -286,6 +288,7 @@ def _by_run(
 
 
 def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -> dict[str, Array]:
+    # The density of each unknown, of pairs of them, and the joint density on a grid.
     names = prepared.model.names
     densities = {
         f"density_{name}": marginal_density(posterior, axes[position], position)
@@ -303,6 +306,7 @@ def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -
 def _coordinates(
     prepared: Calibration, arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, TableVariable]:
+    # Axes of the densities, numbers of runs and modes, columns of the runs, candidates, parameters.
     model = prepared.model
     coordinates = {
         unknown.name: TableVariable(

@@ -136,8 +136,8 @@ class Findings:
         if len(self.arrays["mode_share"]) > 1:
             return {}
         pairs = combinations(enumerate(self.model.unknowns), 2)
-        sentences = {(one.name, other.name): self._pair(one, other, j, k)
-                for (j, one), (k, other) in pairs}  # fmt: skip
+        sentences = {(first.name, second.name): self._pair(first, second, j, k)
+                for (j, first), (k, second) in pairs}  # fmt: skip
         return {names: sentence for names, sentence in sentences.items() if sentence}
 
     @property
@@ -147,10 +147,12 @@ class Findings:
 
     def _undetermined(self) -> Iterator[str]:
         yield from self._pairs.values()
-        for one in self.model.unknowns:
-            deviation = self._value(f"deviation_{one.name}")
-            if one.name not in self.unsettled and deviation > HARDLY * _deviation_before(one):
-                yield f"The runs say next to nothing about {one.name}: it is as it was given"
+        for unknown in self.model.unknowns:
+            deviation = self._value(f"deviation_{unknown.name}")
+            if unknown.name not in self.unsettled and deviation > HARDLY * _deviation_before(
+                unknown
+            ):
+                yield f"The runs say next to nothing about {unknown.name}: it is as it was given"
 
     def _pair(self, unknown: Unknown, other: Unknown, j: int, k: int) -> str:
         points, weights = self.posterior.points, self.posterior.weights

@@ -96,6 +96,7 @@ class Unknown:
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
+        # The bounds between which the unknown is sought.
         if not isinstance(self.prior, Normal):
             return self.prior.lower, self.prior.upper
         quantity = quantity_of(self.table, self.parameter)
@@ -234,17 +235,17 @@ class Model:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the unknowns."""
-        return tuple(one.name for one in self.unknowns)
+        return tuple(unknown.name for unknown in self.unknowns)
 
     @property
     def lower(self) -> Array:
         """The lower bounds of the unknowns, shape (unknowns,)."""
-        return np.array([one.lower for one in self.unknowns])
+        return np.array([unknown.lower for unknown in self.unknowns])
 
     @property
     def width(self) -> Array:
         """The distance between the bounds of each unknown, shape (unknowns,)."""
-        return np.array([one.width for one in self.unknowns])
+        return np.array([unknown.width for unknown in self.unknowns])
 
     def predict(
         self, points: Array, watch: Watch, columns: Mapping[str, Array] | None = None
@@ -300,6 +301,7 @@ class Model:
         )
 
     def _parameters(self, points: Array, columns: Mapping[str, Array]) -> dict[str, Array]:
+        # All parameters, SI units, of shape (points, runs) or broadcastable to it.
         parameters: dict[str, Array] = {
             name: np.asarray(value) for name, value in self.shared.items()
         }

@@ -135,6 +135,7 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
 
 
 def _offsets_in_boxes(boxes: PosteriorBoxes, per_box: int) -> tuple[Array, NDArray[np.int64]]:
+    # Offsets of `per_box` points in each box from its centre, and the number of each point's box.
     unknowns = boxes.centre.shape[1]
     if per_box == 1:
         return np.zeros((len(boxes), unknowns)), np.arange(len(boxes))

@@ -70,7 +70,7 @@ def prepare(study: CalibrateStudy) -> Calibration:
             [*problems, *(locate_problem(problem, study) for problem in error_.problems)]
         ) from None
     grid = Grid.of({**values, **ranges})
-    broken = broken_constraints(_without_order(scene, ranges), method, grid)
+    broken = broken_constraints(_without_order_of_frictions(scene, ranges), method, grid)
     problems += (locate_problem(problem, study) for problem in broken)
     problems += _problem_of_few_runs(study, unknowns)
     raise_any(problems)
@@ -154,11 +154,14 @@ def _problems_of_fields(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
-    found = []
+    unknowns = []
     for name, prior in study.priors().items():
-        table = next((t for t in ("offsets", "factors") if name.startswith(STEMS[t])), "unknowns")
-        found.append(Unknown(name, name.removeprefix(STEMS[table]), table, prior))
-    return tuple(found)
+        table = next(
+            (table_ for table_ in ("offsets", "factors") if name.startswith(STEMS[table_])),
+            "unknowns",
+        )
+        unknowns.append(Unknown(name, name.removeprefix(STEMS[table]), table, prior))
+    return tuple(unknowns)
 
 
 def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
@@ -178,6 +181,7 @@ def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]:
+    # The parameters in which the runs differ; a run that lacks one is a problem.
     rows = [parameters_of(run) for run in study.observations]
     names = [name for name in QUANTITIES if any(name in row for row in rows)]
     for name in names:
@@ -205,6 +209,7 @@ def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]
 
 
 def _observed_output(study: CalibrateStudy) -> tuple[str, list[Problem]]:
+    # The output that the runs measured, and the problems.
     problems, rows = [], study.observations
     for k, row in enumerate(rows, 1):
         outputs = [name for name in OBSERVED if getattr(row, name) is not None]
@@ -240,6 +245,7 @@ def _observed_output(study: CalibrateStudy) -> tuple[str, list[Problem]]:
 
 
 def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
+    # The error of the value of each run, 0 if it is not known, and the problems.
     errors, runs_without, problems = [], [], list[Problem]()
     for k, run in enumerate(study.observations, 1):
         value = getattr(run, output)
@@ -273,6 +279,7 @@ def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
 def _problems_of_places(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
+    # An unknown may not have a value, too; an offset or a factor is of a parameter that has one.
     for unknown in unknowns:
         path, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
         if unknown.table == "unknowns" and unknown.parameter in names:
@@ -369,11 +376,13 @@ def _problems_of_scene(
     yield from problems_of_settings(study, scene, method)
 
 
-def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
-    if not any(isinstance(spans.get(name), Span) for name in STATIC_ABOVE_KINETIC.parameters):
+def _without_order_of_frictions(scene: Scene, ranges: Mapping[str, Values]) -> Scene:
+    if not any(isinstance(ranges.get(name), Span) for name in STATIC_ABOVE_KINETIC.parameters):
         return scene
-    left = tuple(one for one in scene.constraints if one is not STATIC_ABOVE_KINETIC)
-    return replace(scene, constraints=left)
+    others = tuple(
+        constraint for constraint in scene.constraints if constraint is not STATIC_ABOVE_KINETIC
+    )
+    return replace(scene, constraints=others)
 
 
 def _problem_of_few_runs(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[Problem]:

@@ -25,9 +25,9 @@ def band_in_words(name: str, low: float, high: float) -> str:
 
 def known_between(coordinates: Mapping[str, TableVariable]) -> str:
     """Return the parameter of a result that has a band, with its ends; empty without one."""
-    for name, one in coordinates.items():
-        if BAND in one.attributes:
-            low, high = (float(end) for end in one.attributes[BAND])
+    for name, variable in coordinates.items():
+        if BAND in variable.attributes:
+            low, high = (float(end) for end in variable.attributes[BAND])
             return band_in_words(name, low, high)
     return ""
 

@@ -115,6 +115,7 @@ class Frame:
             )
 
     def _cells(self, column: TableVariable, start: int, rows: int) -> Any:
+        # Some rows of a column that is broadcast over all dimensions; flags become their names.
         import pandas
 
         order = [column.dims.index(dim) for dim in self.sizes if dim in column.dims]

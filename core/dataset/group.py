@@ -72,10 +72,10 @@ def _write_version_2(table: Table, group: "zarr.Group") -> None:
 
 def _write_version_3(table: Table, group: "zarr.Group", where: str) -> None:
     create_arrays(group, table)
-    everything = {**table.coordinates, **table.variables}
-    for name, one in everything.items():
-        put(group, name, ..., one.values)
-    put_document(where, document_of(group, everything))
+    variables = {**table.coordinates, **table.variables}
+    for name, variable in variables.items():
+        put(group, name, ..., variable.values)
+    put_document(where, document_of(group, variables))
 
 
 def create_arrays(

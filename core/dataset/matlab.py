@@ -111,7 +111,7 @@ def _array(variable: TableVariable) -> NDArray[Any]:
 
 
 def _ascii_json(text: str) -> str:
-    return re.sub(r"[^\x00-\x7f]", lambda found: json.dumps(found[0])[1:-1], text)
+    return re.sub(r"[^\x00-\x7f]", lambda match: json.dumps(match[0])[1:-1], text)
 
 
 def _text(text: str) -> str:
@@ -125,8 +125,8 @@ def _text(text: str) -> str:
 
 def _flags(variable: TableVariable) -> dict[str, float]:
     flags = flags_of(variable.attributes)
-    named = names_in_matlab(flags.values())
-    return {named[word]: float(value) for value, word in flags.items()}
+    matlab_names = names_in_matlab(flags.values())
+    return {matlab_names[word]: float(value) for value, word in flags.items()}
 
 
 def _about(table: Table) -> dict[str, Any]:

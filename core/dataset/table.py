@@ -67,11 +67,11 @@ class Table:
         They are names in a text; `name` is that of a variable. The result may be empty.
         """
         dims = set(self.variables[name].dims)
-        others = [
-            name_ for name_, coordinate in self.coordinates.items() if coordinate.dims != (name_,)
+        off_axis = [
+            key for key, coordinate in self.coordinates.items() if coordinate.dims != (key,)
         ]
-        on_its_axes = [name_ for name_ in others if set(self.coordinates[name_].dims) <= dims]
-        return {"coordinates": " ".join(on_its_axes)} if on_its_axes else {}
+        linked = [key for key in off_axis if set(self.coordinates[key].dims) <= dims]
+        return {"coordinates": " ".join(linked)} if linked else {}
 
     def with_price(self, price: Attributes) -> "Table":
         """Return the table with other attributes for the cost of computing it, such as seconds."""

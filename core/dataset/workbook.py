@@ -83,7 +83,7 @@ def _sheets(frame: Frame) -> dict[str, tuple[list[int], Iterable[Row]]]:
 
 
 def _values(frame: Frame, shown: Mapping[str, TableVariable]) -> Iterator[Row]:
-    yield [heading(name, one) for name, one in shown.items()]
+    yield [heading(name, column) for name, column in shown.items()]
     for piece in frame.pieces(ROWS):
         yield from zip(*(piece[name].tolist() for name in shown), strict=True)
 
@@ -91,15 +91,15 @@ def _values(frame: Frame, shown: Mapping[str, TableVariable]) -> Iterator[Row]:
 def _constants(frame: Frame, constants: Mapping[str, TableVariable]) -> Iterator[Row]:
     yield "name", "value", "unit", "label"
     first = next(frame.pieces(1))
-    for name, one in constants.items():
-        yield name, *first[name].tolist(), *_texts(one, "units", "long_name")
+    for name, column in constants.items():
+        yield name, *first[name].tolist(), *_texts(column, "units", "long_name")
 
 
 def _columns(columns: Mapping[str, TableVariable]) -> Iterator[Row]:
     yield "name", "unit", "symbol", "label", "description", "depends on"
-    for name, one in columns.items():
-        texts = _texts(one, "units", "symbol", "long_name", "comment")
-        yield name, *texts, ", ".join(one.dims)
+    for name, column in columns.items():
+        texts = _texts(column, "units", "symbol", "long_name", "comment")
+        yield name, *texts, ", ".join(column.dims)
 
 
 def _texts(column: TableVariable, *attributes: str) -> list[str]:

@@ -365,8 +365,11 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
 
 
 def _with_files(content: Mapping[str, Any], move: Callable[[str], str]) -> dict[str, Any]:
-    sections = {key: one for key, one in content.items() if key in SECTIONS}
-    return {**content, **{key: SECTIONS[key].beside(one, move) for key, one in sections.items()}}
+    sections = {key: section for key, section in content.items() if key in SECTIONS}
+    return {
+        **content,
+        **{key: SECTIONS[key].beside(section, move) for key, section in sections.items()},
+    }
 
 
 def _with_text(drive: Mapping[str, Any]) -> dict[str, Any]:
@@ -390,7 +393,7 @@ def _path_from(file: Path, form: str, folder: Path) -> str:
 def _depth(value: object) -> int:
     if isinstance(value, Mapping):
         return 1
-    in_tables = isinstance(value, list) and any(isinstance(one, Mapping) for one in value)
+    in_tables = isinstance(value, list) and any(isinstance(entry, Mapping) for entry in value)
     return 2 if in_tables else 0
 
 
@@ -398,7 +401,7 @@ def _in_line(tomlkit: Any, value: Any) -> Any:
     if not isinstance(value, Mapping):
         return tomlkit.item(_writable(tomlkit, value))
     table = tomlkit.inline_table()
-    table.update({name: _writable(tomlkit, one) for name, one in value.items()})
+    table.update({name: _writable(tomlkit, entry) for name, entry in value.items()})
     return table
 
 
@@ -417,7 +420,7 @@ def _writable(tomlkit: Any, value: Any) -> Any:
 def _literal(value: Any, column: int) -> str:
     if isinstance(value, str):
         return repr(value)
-    first, *more = pprint.pformat(
+    first_line, *others = pprint.pformat(
         value, width=max(WIDTH - column, 40), sort_dicts=False
     ).splitlines()
-    return "\n".join([first, *(" " * column + line for line in more)])
+    return "\n".join([first_line, *(" " * column + line for line in others)])

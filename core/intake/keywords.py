@@ -13,7 +13,7 @@ from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
-from vibrafeed.core.study.units import apart, dimension_of, with_own_unit
+from vibrafeed.core.study.units import dimension_of, split_unit, with_own_unit
 from vibrafeed.core.study.values import DESIGN, MAX_POINTS
 from vibrafeed.core.tables.headings import name_and_unit
 
@@ -166,6 +166,7 @@ def plain(value: object, path: str) -> Any:
 
 
 def _numbers(value: Any, path: str) -> Any:
+    # Plain numbers; with a unit other than the parameter's own they become texts, `"20 mm"`.
     attributes = getattr(value, "attrs", None)
     if isinstance(attributes, dict) and attributes.keys() & {"scale_factor", "add_offset"}:
         raise refused(
@@ -173,7 +174,7 @@ def _numbers(value: Any, path: str) -> Any:
             "the numbers of the array are not decoded",
             "Open the file with mask_and_scale=True, the default of xarray",
         )
-    numbers, unit = apart(value)
+    numbers, unit = split_unit(value)
     if getattr(numbers, "ndim", 0) == 2 and path == "drive.mounting":  # a rotation matrix
         return numbers.tolist()
     if getattr(numbers, "ndim", 0) > 1:
@@ -202,7 +203,7 @@ def _columns(table: Any) -> Iterator[tuple[str, Any]]:
         return
     for heading in table.columns:
         name, unit = name_and_unit(str(heading))
-        numbers, own_unit = apart(table[heading])
+        numbers, own_unit = split_unit(table[heading])
         yield name, [with_own_unit(number, own_unit or unit) for number in numbers.tolist()]
 
 
@@ -232,10 +233,10 @@ def _may_be_scene(text: str) -> bool:
 def _is_key(name: str) -> bool:
     if name in keys_of_studies() or letter_of(name) in PARAMETERS:
         return name in keys_of_studies()
-    near: Iterable[str] = difflib.get_close_matches(
+    similar: Iterable[str] = difflib.get_close_matches(
         name[:60], (*keys_of_studies(), *PARAMETERS), n=1
     )
-    return any(known in keys_of_studies() for known in near)
+    return any(similar_name in keys_of_studies() for similar_name in similar)
 
 
 def _check_kind(actual: object, kind: str | None) -> None:

@@ -153,6 +153,7 @@ def _kept(aspect: PartAspect) -> PartAspect:
 
 
 def _content(section: PartFile, files: bool) -> tuple[bytes, str]:
+    # The bytes and the name of the part's file.
     text = "the text of an ASCII STL, OBJ or STEP file, or a binary STL file in Base64"
     source = source_of("part", section.file, section.data, "file", text, files=files)
     if isinstance(source, str):

@@ -347,10 +347,10 @@ def tilt_questions(fit: "measured.Fit | None", content: Mapping[str, Any]) -> li
     if fit is None or fit.tilt is None:
         return []
     climb = math.degrees(fit.tilt.climb)
-    least, most = map(math.degrees, _slopes(content).get("along", (0.0, 0.0)))
-    if least - ASKED_FROM <= climb <= most + ASKED_FROM:
+    lower, upper = map(math.degrees, _slopes(content).get("along", (0.0, 0.0)))
+    if lower - ASKED_FROM <= climb <= upper + ASKED_FROM:
         return []
-    stated = f"{least:.3g}" if least == most else f"{least:.3g} to {most:.3g}"
+    stated = f"{lower:.3g}" if lower == upper else f"{lower:.3g} to {upper:.3g}"
     return [
         f"the recording shows a track that climbs by {climb:.3g} degrees, the study computes with "
         f"gamma = {stated} degrees. Is the sensor in line with the track, and gamma right?"
@@ -378,13 +378,14 @@ def channel_questions(fit: "measured.Fit | None") -> list[str]:
 
 def _parameter_sections(content: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [
-        one
+        section
         for key in ("parameters", "variables", "uncertain", "unknowns")
-        if isinstance(one := content.get(key), Mapping)
+        if isinstance(section := content.get(key), Mapping)
     ]
 
 
 def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    # The least and the largest slope of the track by axis [rad], where the study gives them.
     slopes = {}
     for axis, name in (("along", "gamma"), ("across", "delta")):
         sections = (section for section in _parameter_sections(content) if name in section)
@@ -394,14 +395,15 @@ def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
         except UnitError:
             continue  # refused where the value is read
         if angles:
-            least, most = math.radians(min(angles)), math.radians(max(angles))
-            slopes[axis] = (least, most) if axis == "along" else (-abs(most), abs(most))
+            lower, upper = math.radians(min(angles)), math.radians(max(angles))
+            slopes[axis] = (lower, upper) if axis == "along" else (-abs(upper), abs(upper))
     return slopes
 
 
 def _measured_drive(
     drive: Mapping[str, Any], slopes: Mapping[str, tuple[float, float]], files: bool, kind: str
 ) -> "tuple[MeasuredDrive, measured.Fit | None]":
+    # The drive as a study stores it, and the fit, None for a recording that is followed once.
     try:
         fields = RecordedDrive.model_validate(drive)
     except ValidationError as error:

@@ -96,8 +96,8 @@ def _is_of_remarks(name: str, column: Column) -> bool:
     # A misspelt name of a column of words is no remark.
     if name.casefold().strip(".") in _NUMBERS_OF_ROWS:
         return True
-    some = [cell for cell in column.cells if str(cell).strip()]
-    return not (any(is_value(str(cell)) for cell in some) or nearest(name, _COLUMNS))
+    filled_cells = [cell for cell in column.cells if str(cell).strip()]
+    return not (any(is_value(str(cell)) for cell in filled_cells) or nearest(name, _COLUMNS))
 
 
 def _all_columns(rows: Any) -> Iterable[str]:
@@ -282,14 +282,14 @@ def _parameter_names(parameters: Any, _: Collection[str]) -> Iterable[str]:
     return map(str, parameters) if isinstance(parameters, Mapping) else ()
 
 
-def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
+def _variable_names(variables: Any, known: Collection[str]) -> Iterable[str]:
     is_given = isinstance(variables, Mapping)
-    return map(str, variables) if is_given else (one for one in DRIVE_ANGLES if one in known)
+    return map(str, variables) if is_given else (angle for angle in DRIVE_ANGLES if angle in known)
 
 
-def _looked_for(criterion: Any) -> Iterable[str]:
-    found = criterion if isinstance(criterion, Mapping) else {}
-    names = (found.get("output", "acceleration_x"), found.get("against"))
+def _criterion_outputs(criterion: Any) -> Iterable[str]:
+    keys = criterion if isinstance(criterion, Mapping) else {}
+    names = (keys.get("output", "acceleration_x"), keys.get("against"))
     return (name for name in names if isinstance(name, str))
 
 
@@ -298,7 +298,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
     "uncertain": Section(
         names=_parameter_names, beside=_files_beside, resolve=with_posteriors, by_parameter=True
     ),
-    "variables": Section(names=_open, unknown=no_parameter, by_parameter=True),
+    "variables": Section(names=_variable_names, unknown=no_parameter, by_parameter=True),
     "unknowns": Section(names=_parameter_names, unknown=no_parameter, by_parameter=True),
     "offsets": Section(unknown=no_parameter, by_parameter=True),
     "factors": Section(unknown=no_parameter, by_parameter=True),
@@ -314,7 +314,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
     "designs": Section(names=lambda *_: (), beside=file_beside, resolve=_with_designs),
     "drive": DRIVE,
     "part": PART,
-    "criterion": Section(outputs=_looked_for, tags=CRITERIA),
+    "criterion": Section(outputs=_criterion_outputs, tags=CRITERIA),
     "outputs": Section(outputs=lambda names: names if isinstance(names, list | tuple) else ()),
     "reduce": Section(
         unknown=lambda key: no_field(key, LevelSet if len(key.path) > 2 else Reduction)
@@ -363,6 +363,7 @@ def words_in(content: Any) -> dict[str, str]:
 
 
 def _rows(rows: list[Any] | tuple[Any, ...]) -> tuple[list[Any], list[Problem]]:
+    # Rows with letters in place of the words of angles, and the problems of the first row with any.
     rows_and_faults: list[tuple[Any, list[Problem]]] = [
         by_letters(row, f"observations row {number}, ")
         if isinstance(row, Mapping) and not WORDS.keys().isdisjoint(row)
@@ -375,6 +376,7 @@ def _rows(rows: list[Any] | tuple[Any, ...]) -> tuple[list[Any], list[Problem]]:
 
 
 def _reduction(raw: Mapping[str, Any]) -> dict[str, Any]:
+    # Letters in place of the words of angles, which stand in `over` and in `along` of each level.
     letters = {name: _names(part) if name == "over" else part for name, part in raw.items()}
     levels = raw.get("levels")
     if isinstance(levels, Mapping):

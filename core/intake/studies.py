@@ -129,8 +129,8 @@ class Draft:
         if kind is None:
             problem, kind = _no_kind(self.content)
             problems = [problem]
-        study, found = self._validated(kind, {**self.content, "kind": kind.name})
-        problems += [*found, *self.problems]
+        study, value_problems = self._validated(kind, {**self.content, "kind": kind.name})
+        problems += [*value_problems, *self.problems]
         if study is None or problems:
             raise self._error(problems)
         return study
@@ -155,14 +155,19 @@ class Draft:
         return replace(prepared, questions=(*self.questions, *map(self._in_words, plan_questions)))
 
     def _error(self, problems: Iterable[Problem]) -> StudyError:
-        said = self._in_words
+        in_words = self._in_words
         return StudyError(
-            replace(one, place=said(one.place), message=said(one.message), fix=said(one.fix))
-            for one in problems
+            replace(
+                problem,
+                place=in_words(problem.place),
+                message=in_words(problem.message),
+                fix=in_words(problem.fix),
+            )
+            for problem in problems
         )
 
     def _in_words(self, text: str) -> str:
-        return _LETTER.sub(lambda found: self.words.get(found[0], found[0]), text)
+        return _LETTER.sub(lambda match: self.words.get(match[0], match[0]), text)
 
     def _validated(
         self, kind: "Kind", content: Mapping[str, Any]
@@ -255,6 +260,7 @@ def _keys_of(kind: "Kind") -> Collection[str]:
 
 
 def _no_kind(content: Mapping[str, Any]) -> "tuple[Problem, Kind]":
+    # The problem with the kind, and the kind that was probably meant: it shares most keys.
     kind = content.get("kind")
     is_missing = kind is None
     similar = None if is_missing else nearest(str(kind), KINDS)

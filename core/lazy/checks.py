@@ -108,6 +108,7 @@ def _quantiles(reduction: Reduction, grid: Grid) -> Iterator[Problem]:
 
 
 def _regimes(reduction: Reduction, plan: Plan) -> Iterator[Problem]:
+    # Conditions on regimes that no cell of the study can have.
     regimes_of_verdict = {verdict.name: verdict.regimes for verdict in plan.verdicts}
     for share, conditions in reduction.shares.items():
         for number, condition in enumerate(conditions):

@@ -161,8 +161,10 @@ class Reduced(Prepared):
     @property
     def needed(self) -> set[str]:
         """The outputs and verdicts that the answers need."""
-        names = {one.of for one in self.statistics if one.of}
-        return names | {one.name for statistic in self.statistics for one in statistic.conditions}
+        names = {statistic.of for statistic in self.statistics if statistic.of}
+        return names | {
+            condition.name for statistic in self.statistics for condition in statistic.conditions
+        }
 
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the results of a reduction as a table: arrays with coordinates and attributes.

@@ -90,7 +90,8 @@ class Cells:
 
     def __init__(self, prepared: "Reduced"):
         self.reduction, self._prepared = prepared.reduction, prepared
-        # numpy is ten times as fast over leading axes as over last ones, unless these fill a block.
+        # Reduced axes come first, unless they fill a block: numpy is ten times as fast over leading
+        # axes as over the last ones.
         over = prepared.reduction.over
         is_last = prepared.grid.size(over) > BLOCK_CELLS // 64
         order = sorted(prepared.grid.axes, key=lambda axis: (axis in over) == is_last)
@@ -151,6 +152,7 @@ class Cells:
         return {dim: math.prod(sizes[position + 1 :]) for position, dim in enumerate(reduced_dims)}
 
     def _moments(self, values: xarray.DataArray) -> xarray.DataArray:
+        # Records of moments over the reduced dimensions, by block and then combined.
         moments_needed = (
             _MOMENTS.get(statistic, (statistic,)) for statistic in self.reduction.statistics
         )
@@ -184,6 +186,7 @@ class Cells:
         return lines.quantile(list(self.reduction.quantiles), "cell")
 
     def _crossing(self, values: xarray.DataArray, statistic: "Statistic") -> xarray.DataArray:
+        # The largest or least value on the level's axis at which any of the reduced cells cross it.
         level = statistic.level
         assert level is not None
         largest = level.take == "largest"
@@ -282,6 +285,7 @@ def _record(moments: Mapping[str, Any]) -> NDArray[Any]:
 
 
 def _statistic(moments: Any, what: str, axis: Any = None, stride: float = 1) -> Any:
+    # A statistic from records of moments; for the place of an extreme the value on `axis`.
     with np.errstate(invalid="ignore", divide="ignore"):
         if what == "mean":
             return _mean(moments)

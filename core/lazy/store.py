@@ -115,7 +115,7 @@ class Blocks:
 
     def chunk(self, name: str) -> tuple[int, ...]:
         """Return the lengths of the blocks of a variable."""
-        chunks = next(chunks for one, chunks, _ in self._fields if name in one.names)
+        chunks = next(chunks for field, chunks, _ in self._fields if name in field.names)
         return tuple(chunks[dim][0] for dim in self.prepared.dims[name])
 
 
@@ -255,8 +255,12 @@ class ZarrStore:
 
     def missing(self) -> list[int]:
         """Return the numbers of the blocks that are not stored."""
-        there = keys_in(self.under_way)
-        return [k for k in range(len(self.blocks)) if not self._keys(self.blocks[k]) <= there]
+        stored_keys = keys_in(self.under_way)
+        return [
+            number
+            for number in range(len(self.blocks))
+            if not self._keys(self.blocks[number]) <= stored_keys
+        ]
 
     def _keys(self, block: Block) -> set[str]:
         dims = self.prepared.dims

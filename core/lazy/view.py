@@ -43,6 +43,7 @@ class ZarrView:
     """
 
     def __init__(self, sweep: Prepared, outline: Table, *, chunk_cells: int = CHUNK_CELLS):
+        # A group in memory gives the documents; chunks are computed when they are asked for.
         self._sweep, self._outline = sweep, outline
         sizes = sweep.grid.shape
         shapes = {
@@ -73,6 +74,7 @@ class ZarrView:
         return math.prod(array.chunks) * array.dtype.itemsize
 
     def _find(self, key: str) -> tuple[str, tuple[int, ...]]:
+        # The array and the index of the chunk that a key names.
         name, _, chunk_key = key.partition("/")
         match = _CHUNK.fullmatch(chunk_key)
         if name in self._arrays and match is not None:

@@ -63,8 +63,8 @@ def pairs() -> tuple[str, ...]:
 def rows_of_pair(pair: str) -> list[dict[str, Any]]:
     """Return the rows of the table of friction for a pair; which of both is the part counts not."""
     part, _, track = (text.strip() for text in pair.lower().partition(" on "))
-    wanted = {f"{part} on {track}", f"{track} on {part}"}
-    return [row for row in friction()["pairs"] if _pair_of(row).lower() in wanted]
+    both_orders = {f"{part} on {track}", f"{track} on {part}"}
+    return [row for row in friction()["pairs"] if _pair_of(row).lower() in both_orders]
 
 
 def _pair_of(row: Mapping[str, Any]) -> str:
@@ -78,9 +78,9 @@ def has_surface(row: Mapping[str, Any], surface: str) -> bool:
 
 def ends(row: Mapping[str, Any], is_static: bool) -> list[float]:
     """Return the ends of friction in a row: of sliding, or at rest; else of what the row has."""
-    wanted = ("static", "kinetic") if is_static else ("kinetic", "static")
-    found = (row[wanted[0]] or row["coefficient"] or row[wanted[1]]) or ()
-    return list(found)
+    columns = ("static", "kinetic") if is_static else ("kinetic", "static")
+    values = (row[columns[0]] or row["coefficient"] or row[columns[1]]) or ()
+    return list(values)
 
 
 def leaf_springs(words: str = "") -> dict[str, Any]:
@@ -144,12 +144,15 @@ def _sources(data: Mapping[str, Any], rows: Iterable[Mapping[str, Any]]) -> dict
     return {name: dict(source) for name, source in data["sources"].items() if name in used}
 
 
-def _holds(row: Mapping[str, Any], wanted: Iterable[str], words: Iterable[str]) -> bool:
-    text = " ".join(row.get(name, "") for name in words).lower()
+def _holds(row: Mapping[str, Any], search_words: Iterable[str], columns: Iterable[str]) -> bool:
+    text = " ".join(row.get(name, "") for name in columns).lower()
     for mark in "(),:":
         text = text.replace(mark, " ")
-    present = text.split()
-    return all(any(word.startswith(one) for word in present) for one in wanted)
+    words_in_row = text.split()
+    return all(
+        any(word_in_row.startswith(word_sought) for word_in_row in words_in_row)
+        for word_sought in search_words
+    )
 
 
 @functools.cache

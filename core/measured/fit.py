@@ -173,7 +173,7 @@ class Fit:
     @property
     def amplitude_errors(self) -> Array:
         """The standard errors of the amplitudes [m], shape (axes, orders)."""
-        return np.sqrt(self._turned(0))
+        return np.sqrt(self._variance_along(0))
 
     @property
     def phase_errors(self) -> Array:
@@ -182,15 +182,17 @@ class Fit:
         Infinite without amplitude.
         """
         with np.errstate(divide="ignore", invalid="ignore"):
-            errors = np.sqrt(self._turned(1)) / self.amplitudes
+            errors = np.sqrt(self._variance_along(1)) / self.amplitudes
         return np.where(self.amplitudes > 0.0, errors, np.inf)
 
-    def _turned(self, part: int) -> Array:
+    def _variance_along(self, part: int) -> Array:
+        # Variance of each displacement along its phase (part 0), which is that of the amplitude, or
+        # at a right angle to it (part 1).
         blocks = self.covariance[1:, 1:].reshape(*self.phases.shape, 2, *self.phases.shape, 2)
-        own = np.einsum("jkajkb->jkab", blocks)
+        own_blocks = np.einsum("jkajkb->jkab", blocks)
         cosine, sine = np.cos(self.phases), np.sin(self.phases)
-        unit = np.stack([cosine, sine] if part == 0 else [-sine, cosine], axis=-1)
-        return np.maximum(np.einsum("jka,jkab,jkb->jk", unit, own, unit), 0.0)
+        directions = np.stack([cosine, sine] if part == 0 else [-sine, cosine], axis=-1)
+        return np.maximum(np.einsum("jka,jkab,jkb->jk", directions, own_blocks, directions), 0.0)
 
     @property
     def rest(self) -> Array:
@@ -258,6 +260,7 @@ class Fit:
         ]
 
     def _named(self, frequency: float, displacement: NDArray[np.complex128]) -> dict[str, float]:
+        # Parameters of a study: amplitude [m] and phase [degree] of each significant harmonic.
         named = {"frequency": frequency}
         for axis, row, significant_row in zip(
             self.axes, displacement, self.significant, strict=True
@@ -360,6 +363,7 @@ def fit_signal(signal: Signal) -> Fit:
 def _solve_weighted(
     samples: Samples, start: float, orders: tuple[int, ...], degree: int, resolution: Array
 ) -> tuple[Solution, Noise]:
+    # The residual of a fit with equal weights gives the weights of the final one.
     unweighted = solve_least_squares(samples, start, orders, degree)
     weights = noise_of(samples, unweighted, resolution).weights
     solution = solve_least_squares(samples, unweighted.frequency, orders, degree, weights)
@@ -370,6 +374,7 @@ def _solve_weighted(
 def _significant(
     samples: Samples, solution: Solution, noise: Noise
 ) -> tuple[NDArray[np.bool_], int]:
+    # Which harmonics of each axis are significant, and the highest significant degree of the drift.
     covariance = covariance_of(samples, solution, noise)
     axes, unknowns = solution.coefficients.shape
     first_wave, threshold = solution.degree + 1, hurdle(samples.size)
@@ -444,6 +449,7 @@ def _reported_fit(
 
 
 def _tilt_of(axes: tuple[str, ...], constant: NDArray[np.float64]) -> Tilt | None:
+    # The mean acceleration of a sensor at rest is gravity, if its size is near 1 g.
     mean_of_axis = dict(zip(axes, constant.tolist(), strict=True))
     magnitude = float(np.linalg.norm(constant))
     if (

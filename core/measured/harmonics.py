@@ -138,7 +138,7 @@ def solve_least_squares(
         solution = Solution(frequency, orders, degree, coefficients, residual)
         if is_last:
             break
-        change = _by_frequency(samples, basis, solution)
+        change = _derivative_by_frequency(samples, basis, solution)
         # Without the part that the coefficients could imitate.
         change -= np.linalg.solve(normal_matrix, basis.T @ change.T).T @ basis.T
         square_of_change = weights @ (change * change).sum(axis=1)
@@ -150,11 +150,11 @@ def solve_least_squares(
     return solution
 
 
-def _by_frequency(samples: Samples, basis: Array, solution: Solution) -> Array:
+def _derivative_by_frequency(samples: Samples, basis: Array, solution: Solution) -> Array:
     waves = basis[:, solution.degree + 1 :]
     sine, cosine = waves[:, 0::2], waves[:, 1::2]
-    turned = 2.0 * np.pi * np.array(solution.orders) * solution.waves
-    return (turned.real @ cosine.T - turned.imag @ sine.T) * samples.times
+    slopes = 2.0 * np.pi * np.array(solution.orders) * solution.waves
+    return (slopes.real @ cosine.T - slopes.imag @ sine.T) * samples.times
 
 
 # --- The errors of a fit, estimated from its residual, whatever its colour.
@@ -348,10 +348,10 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
     without_drift = samples._replace(values=samples.values - drift_values)
     frequency = strongest_line(without_drift).frequency
     if guess is not None:
-        near_fraction = _part_near(frequency, guess)
+        near_fraction = _fraction_near(frequency, guess)
         lowest, highest = guess * (1.0 - GUESS), guess * (1.0 + GUESS)
         return near_fraction or strongest_line(without_drift, lowest, highest).frequency
-    if line is not None and (near_fraction := _part_near(frequency, line)) is not None:
+    if line is not None and (near_fraction := _fraction_near(frequency, line)) is not None:
         solution = solve_least_squares(
             samples, near_fraction, orders_below(samples, near_fraction), DRIFT
         )
@@ -364,9 +364,9 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
     return solution.frequency
 
 
-def _part_near(frequency: float, expected: float) -> float | None:
-    part = frequency / max(round(frequency / expected), 1)
-    return part if abs(part / expected - 1.0) <= GUESS else None
+def _fraction_near(frequency: float, expected: float) -> float | None:
+    fraction = frequency / max(round(frequency / expected), 1)
+    return fraction if abs(fraction / expected - 1.0) <= GUESS else None
 
 
 def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.inf) -> Line:

@@ -382,6 +382,7 @@ def read_once(table: InputTable, recording: Recording) -> tuple[Signal, dict[str
 
 
 def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
+    # The place in the study and the column of each channel.
     columns = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
     sensor = recording.sensor
     if sensor is None and not columns:
@@ -443,6 +444,7 @@ def _channel(
 def _factor_and_derivative(
     path: str, name: str, unit_in_heading: str, recording: Recording
 ) -> tuple[float, int]:
+    # The factor to SI units, and how often the displacement is differentiated (2: acceleration).
     key = "unit" if recording.unit else path
     unit, factor = recording.unit or unit_in_heading, 1.0
     if unit == FULL_SCALE:

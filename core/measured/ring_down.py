@@ -161,6 +161,7 @@ def _fit(signal: Signal) -> RingDown:
 
 
 def _fitted_poles(times: Array, values: Array) -> tuple[NDArray[np.complex128], Array]:
+    # The poles of the modes, one by one from the strongest, and the residual of the fit.
     frequency, strongest = _strongest_line(times, values)
     poles = _best_start(times, values, frequency)
     # Further modes show as lines of the residual that noise would not have.
@@ -235,6 +236,7 @@ def _best_start(times: Array, values: Array, frequency: float) -> NDArray[np.com
 def _refined_poles(
     times: Array, values: Array, poles: NDArray[np.complex128]
 ) -> tuple[NDArray[np.complex128], Array]:
+    # Least squares over damping ratios and frequencies; channels are weighted by their noise.
     noise = np.sqrt(np.mean(_residual(times, values, poles) ** 2, axis=1, keepdims=True))
     root_weights = np.median(noise) / np.maximum(noise, np.finfo(float).tiny)
     frequencies = np.abs(poles)

@@ -128,6 +128,7 @@ def read_times(table: InputTable, rate: float | str | None, time: str | None) ->
 
 
 def _seconds_of(table: InputTable, name: str) -> tuple[NDArray[np.float64], str]:
+    # Seconds from the first sample, and the name of the column if its unit had to be assumed.
     values, unit_in_heading = table.numbers(name, "time")
     unit = unit_in_heading or stem_and_unit(name)[1]
     steps = np.diff(values)

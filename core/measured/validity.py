@@ -295,8 +295,8 @@ def gravity_problems(
     in_g = dict(zip(axes, (constant / STANDARD_GRAVITY).tolist(), strict=True))
     stated_slopes = {axis: slopes.get(axis, (0.0, 0.0)) for axis in AXES[:2]}
     limits = {
-        axis: (min(-STEEPEST, least - MARGIN), max(STEEPEST, most + MARGIN))
-        for axis, (least, most) in stated_slopes.items()
+        axis: (min(-STEEPEST, lower - MARGIN), max(STEEPEST, upper + MARGIN))
+        for axis, (lower, upper) in stated_slopes.items()
     }
     for axis, meaning, fix in islice(_gravity_faults(in_g, rms, limits), 1):
         others = ", ".join(f"{value:.2f} g {name}" for name, value in in_g.items() if name != axis)
@@ -308,6 +308,7 @@ def gravity_problems(
 def _faults_without_gravity(
     in_g: Mapping[str, float], rms: float, steepest: Mapping[str, float]
 ) -> Iterator[tuple[str, str, str]]:
+    # As `_gravity_faults`, for a recording that does not show gravity in the normal channel.
     normal = in_g.get("normal")
     is_thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
     if is_thousandth and rms < SMALL * STANDARD_GRAVITY:

@@ -34,7 +34,7 @@ from vibrafeed.core.optimise.problem import (
     columns,
 )
 from vibrafeed.core.optimise.search import box_points, most_reliable
-from vibrafeed.core.optimise.uncertain import evaluated_at_fresh_points, some
+from vibrafeed.core.optimise.uncertain import evaluated_at_fresh_points, lower_bounds_where_missing
 from vibrafeed.core.plan.grid import to_si
 from vibrafeed.core.plan.labels import Sample, coordinates_of, global_attributes, sample_of
 from vibrafeed.core.plan.pieces import Computed
@@ -127,7 +127,9 @@ def _output_at(
     problem: OptimisationProblem, name: str, optima: Optima, design: Mapping[str, Array]
 ) -> Array:
     without_optimum = np.isnan(optima.x).any(axis=0)
-    value = problem.output(name, problem.quantities(some(problem, optima.x), design))
+    value = problem.output(
+        name, problem.quantities(lower_bounds_where_missing(problem, optima.x), design)
+    )
     return np.where(without_optimum, np.nan, np.broadcast_to(value, without_optimum.shape))
 
 
@@ -292,6 +294,7 @@ def _compared_outputs(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[Rounding | Comparison, str]:
+    # The comparison, and the name of what the outputs were compared with.
     problem, plan = prepared.problem, prepared.plan
     variables = dict(zip(problem.names, x, strict=True))
     cells = {name: (variables | dict(design))[name][chosen] for name in plan.parameters}
@@ -313,6 +316,7 @@ def _compared_with_rival(
     chosen: NDArray[np.intp],
     watch: Watch,
 ) -> tuple[NDArray[np.bool_], int, float]:
+    # Which designs the rival solved, the cell where its optimum is better by most, and by how much.
     if watch.stopped():
         return np.zeros(chosen.size, dtype=np.bool_), -1, 0.0
     problem = prepared.problem
@@ -323,7 +327,7 @@ def _compared_with_rival(
     chosen_design = dict(_with_slack_limit(problem, chosen_design, scales))
     optima = METHODS[rival].solve(problem, chosen_design, scales, watch)
     without_optimum = np.isnan(optima.x).any(axis=0)
-    x = some(problem, optima.x)
+    x = lower_bounds_where_missing(problem, optima.x)
     rival_values, violation, _ = problem.judged(x, chosen_design, scales)
     is_valid = ~without_optimum & (violation <= METHODS[rival].tolerance)
     if problem.uncertain is not None:
@@ -417,6 +421,7 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
 def _statuses_of_fronts(
     criterion: Pareto, arrays: Mapping[str, NDArray[Any]]
 ) -> tuple[NDArray[np.int8], str]:
+    # The status of each answer, one for a front of a single point, and a note on such fronts.
     by_front = {
         name: arrays[name].reshape(-1, criterion.points)
         for name in ("optimum_status", "front_points", criterion.output, criterion.against)
@@ -445,9 +450,9 @@ def _broken_probabilities(
         constraint.name: arrays[broken_names(constraint.name)[0]][0]
         for constraint in prepared.problem.constraints
     }
-    told = [
+    texts = [
         f"{100 * share:.2g} % of units break {name}"
         for name, share in probabilities.items()
         if share
     ]
-    yield ", ".join(told) or "no unit of those drawn breaks a limit"
+    yield ", ".join(texts) or "no unit of those drawn breaks a limit"

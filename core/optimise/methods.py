@@ -95,6 +95,7 @@ class _Design:
         )
 
     def best(self) -> tuple[Array, str]:
+        # The best point of the unit box, and the messages of the optimisers.
         bounds = [(0.0, 1.0)] * len(self.problem.names)
         result = scipy.optimize.differential_evolution(
             lambda unit: self.penalised(unit) if unit.ndim > 1 else self.penalised(unit)[0],

@@ -65,6 +65,7 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
 def _solve_designs(
     prepared: Optimisation, design: Mapping[str, Array], watch: Watch, retries: int
 ) -> tuple[dict[str, NDArray[Any]], str]:
+    # The variables of the result by name, and the message of the method.
     problem, method = prepared.problem, prepared.method
     scales = problem.scales(design)
     if isinstance(problem.criterion, Pareto):
@@ -235,6 +236,7 @@ def _margins_and_bindings(
     margin_tolerances: Mapping[str, Array],
     without_optimum: NDArray[np.bool_],
 ) -> dict[str, NDArray[Any]]:
+    # Of each constraint: its margin, whether it binds, and how probably it is broken.
     arrays: dict[str, NDArray[Any]] = {}
     for constraint in problem.constraints:
         margin = np.broadcast_to(problem.safe_margin(constraint, x, design), without_optimum.shape)

@@ -65,7 +65,7 @@ class Optimisation(Prepared):
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable of an optimisation's result by name, in order, as in files."""
-        units = {name: one.get("units", "1") for name, one in self.attributes.items()}
+        units = {name: attributes.get("units", "1") for name, attributes in self.attributes.items()}
         return {**units, **dict.fromkeys(self.plan.verdict_names, "1")}
 
     @cached_property
@@ -83,7 +83,7 @@ class Optimisation(Prepared):
             "criterion": criterion_in_words(self.problem),
             "variables": [*self.problem.names],
             "method": self.method,
-            "kept": [one.name for one in self.problem.constraints],
+            "kept": [constraint.name for constraint in self.problem.constraints],
         }
 
     @property

@@ -45,7 +45,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     second = SECOND.get(study.criterion.output, "")
     if study.criterion.kind == "maximise" and second in scene.outputs(variant):
         requested = (*requested, second)
-    computed = dict.fromkeys((*requested, *(each.output for each in constraints)))
+    computed = dict.fromkeys((*requested, *(constraint.output for constraint in constraints)))
     outputs = tuple(name for name in computed if name != "regime")
     bounds = study.bounds() or _default_bounds(scene, variant, outputs, values)
     problems = [
@@ -54,14 +54,14 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         *_problems_of_bounds(bounds),
         *_problems_of_intervals(study, intervals, values, bounds),
     ]
-    ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
-    ends |= {name: tolerance(name, one) for name, one in intervals.items()}
+    ends = {name: (between.lower, between.upper) for name, between in bounds.items()}
+    ends |= {name: tolerance(name, distribution) for name, distribution in intervals.items()}
     ranges = {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
     try:
         plan, _ = plan_study(study, outputs, chosen, ranges)
     except StudyError as error:
         problems += (
-            locate_problem(_explained_by_drive(each, scene), study) for each in error.problems
+            locate_problem(_explained_by_drive(problem, scene), study) for problem in error.problems
         )
     problems += _problems_of_method(study.method)
     if problems:
@@ -74,8 +74,8 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     problem = OptimisationProblem(
         plan, _bounds_in_si(bounds), study.criterion, constraints, uncertain
     )
-    nominals = {name: Fixed(nominal(each)) for name, each in intervals.items()}
-    fixed = {name: one for name, one in values.items() if name in plan.parameters}
+    nominals = {name: Fixed(nominal(distribution)) for name, distribution in intervals.items()}
+    fixed = {name: value for name, value in values.items() if name in plan.parameters}
     designs = grid = Grid.of({**fixed, **nominals})
     method = _method(study, problem)
     if isinstance(study.criterion, Pareto):
@@ -194,6 +194,7 @@ def _output_bounds(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable
 def _default_bounds(
     scene: Scene, variant: str, outputs: Iterable[str], values: Mapping[str, Values]
 ) -> dict[str, Between]:
+    # 0 to 90 degrees for the drive angles that outputs need, unless given or refused by the scene.
     needed = behind(outputs, scene.producers(variant).get).keys()
     unsuitable = {
         constraint.parameters[0]
@@ -335,6 +336,7 @@ def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
 
 
 def _explained_by_drive(problem: Problem, scene: Scene) -> Problem:
+    # Closed forms know the plain sine only: the message says so for one of their outputs.
     producers = scene.producers(scene.default_variant)
     closed = SCENES.get(scene.name)
     if "wave" not in producers or closed is None or not problem.about:

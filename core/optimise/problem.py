@@ -115,8 +115,10 @@ class Uncertain:
 
     def with_nodes(self, values: Mapping[str, Array]) -> "Uncertain":
         """Return the same with further nodes after the others; `values` are theirs, SI units."""
-        longer = {name: np.append(one, values[name]) for name, one in self.values.items()}
-        return replace(self, values=longer)
+        extended = {
+            name: np.append(node_values, values[name]) for name, node_values in self.values.items()
+        }
+        return replace(self, values=extended)
 
     def statistic(self, values: Array, sign: float) -> Array:
         """Return the statistic of values over uncertain parameters: least, mean or quantile.

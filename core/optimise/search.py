@@ -76,12 +76,12 @@ class Candidates(NamedTuple):
 
     def at(self, indices: NDArray[np.intp]) -> "Candidates":
         """Return the points at indices, shape (cells, k)."""
-        rows = (np.take_along_axis(one, indices, axis=1) for one in self[1:])
+        rows = (np.take_along_axis(array, indices, axis=1) for array in self[1:])
         return Candidates(np.take_along_axis(self.unit, indices[None], axis=2), *rows)
 
     def of(self, cells: Any) -> "Candidates":
         """Return the points of some designs."""
-        return Candidates(self.unit[:, cells], *(one[cells] for one in self[1:]))
+        return Candidates(self.unit[:, cells], *(array[cells] for array in self[1:]))
 
 
 Judge = Callable[[Array, NDArray[np.intp]], Candidates]
@@ -148,6 +148,8 @@ def _search_piece(
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> Optima:
+    # Differential evolution in the unit box, by functions that judge points of some designs, and
+    # choose the best point of a design whose values are uncertain.
     silent = replace(watch, progress=None)
 
     def judge(unit: Array, cells: NDArray[np.intp]) -> Candidates:
@@ -404,7 +406,7 @@ def most_reliable(
         return best, float(value[best])
     competing = np.flatnonzero((violation <= violation[best]) & np.isfinite(value))
     cells = np.minimum((unit[:, competing] * NICHES).astype(np.int64), NICHES - 1)
-    error = _known(chance_error[competing])
+    error = _known_errors(chance_error[competing])
     # Candidates to follow longer: the best in each cell of a grid, ranked by value less a fraction
     # of its error.
     ranked = [_best_of_each_cell(cells, value[competing] - fraction * error) for fraction in SHARES]
@@ -412,12 +414,12 @@ def most_reliable(
     for factor, max_kept in ROUNDS:
         x = problem.from_unit_box(unit[:, chosen])
         value_again, violation, error = problem.longer(factor).judged(x, design, scales)
-        order = np.lexsort((_known(error) - value_again, violation))[:max_kept]
+        order = np.lexsort((_known_errors(error) - value_again, violation))[:max_kept]
         chosen = chosen[order]
     return int(chosen[0]), float(value_again[order[0]])
 
 
-def _known(chance_error: Array) -> Array:
+def _known_errors(chance_error: Array) -> Array:
     return np.where(chance_error < UNKNOWN, chance_error, 0.0)
 
 

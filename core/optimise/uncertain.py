@@ -26,11 +26,11 @@ from vibrafeed.core.plan.grid import parameter_to_si
 from vibrafeed.core.plan.statistics import (
     REPLICATES,
     Estimate,
+    fraction_of,
     mean_and_deviation,
     points,
     probability,
     quantiles,
-    share,
     values_at,
 )
 from vibrafeed.core.study.distributions import Distribution, tolerance
@@ -85,6 +85,8 @@ def samples_of(how: How, quantile: float) -> int:
 
 
 def _tolerance_box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
+    # All combinations of evenly spaced values of the tolerances, SI units; of the two ends alone
+    # the middle is added.
     count = len(distributions)
     levels = np.linspace(0.0, 1.0, LEVELS.get(count, 2))
     nodes = np.array(list(product(levels, repeat=count)))
@@ -154,7 +156,7 @@ class FreshEvaluation:
         }
         broken: Mask = np.any([*worse.values(), np.zeros_like(without_optimum)], axis=0)
         if OBJECTIVE in self.worst and not problem.is_motion:
-            by_nodes = problem.judged(some(problem, x), design, scales)[0]
+            by_nodes = problem.judged(lower_bounds_where_missing(problem, x), design, scales)[0]
             worse[OBJECTIVE] = self.worst[OBJECTIVE] < by_nodes - CLOSE * problem.scale(scales)
             worse[OBJECTIVE] &= ~without_optimum
         cells = np.flatnonzero(np.any([*worse.values(), broken], axis=0)).tolist()
@@ -171,7 +173,9 @@ class FreshEvaluation:
 
     def at_worst(self, name: str) -> dict[str, Array]:
         """Return the uncertain parameters at the worst points, SI units, shape (sets, cells)."""
-        return {one: values[self.worst_at[name].T] for one, values in self.points.items()}
+        return {
+            parameter: values[self.worst_at[name].T] for parameter, values in self.points.items()
+        }
 
 
 def with_fresh_nodes(problem: OptimisationProblem) -> OptimisationProblem:
@@ -186,7 +190,7 @@ def with_fresh_nodes(problem: OptimisationProblem) -> OptimisationProblem:
     return replace(problem, uncertain=replace(fresh, values=values))
 
 
-def some(problem: OptimisationProblem, x: Array) -> Array:
+def lower_bounds_where_missing(problem: OptimisationProblem, x: Array) -> Array:
     """Return choices with the lower bounds where there is no optimum, so that all have outputs."""
     return np.where(np.isnan(x).any(axis=0), problem.lower[:, None], x)
 
@@ -201,7 +205,7 @@ def evaluated_at_fresh_points(
 ) -> FreshEvaluation:
     """Return statistic, margins and broken fractions of choices at fresh uncertain parameters."""
     assert problem.uncertain is not None
-    x = some(problem, x)
+    x = lower_bounds_where_missing(problem, x)
     fresh, in_tolerances = _fresh_points(problem.uncertain, problem.is_motion, SEED + number)
     problem_at_points = replace(problem, uncertain=fresh)
     cells, cells_at_a_time = cells_of(design), max(1, BLOCK // fresh.size)
@@ -226,6 +230,7 @@ def evaluated_at_fresh_points(
 
 
 def _fresh_points(uncertain: Uncertain, is_motion: bool, seed: int) -> tuple[Uncertain, Mask]:
+    # New points in scramblings of their own, and which of them are within all tolerances.
     distributions = uncertain.distributions
     factor = TIMES_MOTION if is_motion else TIMES
     count = factor * samples_of(uncertain.how, uncertain.quantile)
@@ -282,7 +287,7 @@ def _evaluated_piece(
     return FreshEvaluation(
         uncertain.values,
         _objective(uncertain, values.reshape(in_sets), problem.sign),
-        np.asarray(share(np.isnan(values.reshape(in_sets)))),
+        np.asarray(fraction_of(np.isnan(values.reshape(in_sets)))),
         {
             name: probability(
                 ~(values_of_one >= -allowed[bounds[name].output][:, None]).reshape(in_sets)

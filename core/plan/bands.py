@@ -200,11 +200,11 @@ class Bands(Added):
         )
 
 
-def _sign(both: Extremes) -> NDArray[np.int8]:
-    least, most = both.least[0], both.most[0]
-    noise = SIGNIFICANT * np.fmax(np.abs(least), np.abs(most))
-    state = np.where(both.is_open, SIGNS["open"].value, SIGNS["settled"].value)
-    is_unsettled = (least < -noise) & (most > noise)
+def _sign(extremes: Extremes) -> NDArray[np.int8]:
+    smallest, largest = extremes.least[0], extremes.most[0]
+    noise = SIGNIFICANT * np.fmax(np.abs(smallest), np.abs(largest))
+    state = np.where(extremes.is_open, SIGNS["open"].value, SIGNS["settled"].value)
+    is_unsettled = (smallest < -noise) & (largest > noise)
     return np.where(is_unsettled, SIGNS["unsettled"].value, state).astype(np.int8)
 
 

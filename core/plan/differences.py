@@ -149,6 +149,7 @@ def values_of(
 
 
 def _with_counts(plan: Plan) -> tuple[Plan, tuple[str, ...]]:
+    # The plan with the counts that tell regimes apart, and the names of its outputs and counts.
     if not any(equation.takes_long for equation in plan.equations):
         return plan.part(plan.outputs), plan.outputs
     counts = tuple(name for name in COUNTS if name in plan.scene.outputs(plan.variant))
@@ -288,6 +289,7 @@ class _Model:
         return np.stack([slopes.slope, error, np.broadcast_to(status, error.shape)])
 
     def _is_allowed(self, values: Mapping[str, Array], parameter: str, new_values: Array) -> Mask:
+        # True where the parameter may have the new value: within its bounds, and relations hold.
         quantity = QUANTITIES[parameter]
         unit = np.deg2rad(1.0) if quantity.is_angle else 1.0
         lower, upper = quantity.lower * unit, quantity.upper * unit

@@ -145,16 +145,16 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
     to stop: then cells are left that are not computed.
     """
     values = grid.si()
-    known = run_equations(plan, {name: values[name] for name in plan.parameters}, watch)
-    _write(plan, grid, known, {}, into)
+    quantities = run_equations(plan, {name: values[name] for name in plan.parameters}, watch)
+    _write(plan, grid, quantities, {}, into)
 
 
 def _write(
-    plan: Plan, grid: Grid, known: Known, block: Mapping[str, slice], results: Results
+    plan: Plan, grid: Grid, quantities: Known, block: Mapping[str, slice], results: Results
 ) -> None:
-    depends, known = plan.depends_on(grid.along), known | regimes(plan, known)
+    depends, quantities = plan.depends_on(grid.along), quantities | regimes(plan, quantities)
     for name, array in results.items():
-        values = np.asarray(known[name])
+        values = np.asarray(quantities[name])
         if values.ndim:  # every axis of the grid, of size 1 where it does not depend on it
             axes = enumerate(grid.axes)
             values = values.squeeze(
@@ -199,6 +199,7 @@ class Fused:
     """The graph of a plan on a grid, ready to be run."""
 
     def __init__(self, plan: Plan, traced: Traced, grid: Grid):
+        # Results over the same axes are one group; groups of few cells need no compiled loops.
         self._grid, self._traced = grid, traced
         self._values = Values(traced, plan, grid)
         self._groups = groups_of(plan, grid)

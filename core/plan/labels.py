@@ -65,10 +65,10 @@ def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
         for name in grid.axes
     }
     coordinates |= {
-        name: TableVariable((DESIGN,), np.array(one.values), quantity_attributes(name))
-        for name, one in grid.paired.items()
+        name: TableVariable((DESIGN,), np.array(paired.values), quantity_attributes(name))
+        for name, paired in grid.paired.items()
     }
-    ends = {name: {BAND: np.array([one.low, one.high])} for name, one in grid.bands.items()}
+    ends = {name: {BAND: np.array([band.low, band.high])} for name, band in grid.bands.items()}
     fixed: dict[str, Any] = {
         name: value for name, value in grid.fixed.items() if name in plan.parameters
     }
@@ -180,8 +180,8 @@ def chosen_positions(prepared: Prepared) -> tuple[Positions, int]:
 
     They are all different, and the same for equal studies.
     """
-    grid, asked = prepared.grid, prepared.study.verify or 0
-    return random_positions(grid, asked, prepared.study.key()), min(asked, grid.cells)
+    grid, requested = prepared.grid, prepared.study.verify or 0
+    return random_positions(grid, requested, prepared.study.key()), min(requested, grid.cells)
 
 
 @dataclass(frozen=True)

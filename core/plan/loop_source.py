@@ -153,6 +153,7 @@ class LoopWriter:
         self.computed_here: set[int] = set()
 
     def _add_steps(self, node: Node) -> None:
+        # Inputs first, so that the steps are in an order in which they can be computed.
         if node.number in self.steps or node.number in self.inputs:
             return
         if node.number in self.leaves | self.columns:
@@ -181,6 +182,7 @@ class LoopWriter:
         return node.number in self.by_cell or self.order.is_row(node)
 
     def _term(self, node: Any) -> str:
+        # A value in the loop's text: c of a column, a of an array, r of a stored row, t of a step.
         if not isinstance(node, Node):
             return _literal(node)
         number = node.number
@@ -225,6 +227,8 @@ class LoopWriter:
         return Loop(source, tuple(arrays), tuple(columns), tuple(self.stored_rows.values()))
 
     def _at_level(self, level: int, arrays: Sequence[Node], indent: str) -> list[str]:
+        # The lines within so many outer loops: elements of arrays, steps, then the loop over the
+        # row.
         scalars, rows = self._enter(level)
         lines = [self._input_line(node) for node in arrays if self.order.level(node) == level]
         lines += [f"t{node.number} = {self._expression(node)}" for node in scalars]
@@ -259,6 +263,7 @@ class LoopWriter:
         return [*lines, *slices]
 
     def _row_lines(self, rows: Sequence[Node]) -> list[str]:
+        # Stored rows hold floats: a truth value is stored as 1.0 or 0.0.
         lines = []
         for node in rows:
             value = f"t{node.number}"
@@ -279,6 +284,7 @@ def _row_loop(lines: Iterable[str]) -> list[str]:
 
 
 def _literal(value: Any) -> str:
+    # A number as Python text; negative ones in brackets, since they stand within formulas.
     if isinstance(value, bool | np.bool_):
         return str(bool(value))
     number = float(value)

@@ -56,14 +56,16 @@ class Verdict:
     @cached_property
     def otherwise(self) -> str:
         """The regime of cells in which no condition holds."""
-        said = [condition.otherwise for condition in self.conditions if condition.otherwise]
-        more = [name for name in said if name != "contact"]
-        return (more or said or ["not_assessed"])[-1]
+        regimes = [condition.otherwise for condition in self.conditions if condition.otherwise]
+        without_contact = [name for name in regimes if name != "contact"]
+        return (without_contact or regimes or ["not_assessed"])[-1]
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """The names of the quantities that its conditions need."""
-        return tuple(dict.fromkeys(name for one in self.conditions for name in one.inputs))
+        return tuple(
+            dict.fromkeys(name for condition in self.conditions for name in condition.inputs)
+        )
 
     @cached_property
     def doubts(self) -> bool:
@@ -90,7 +92,11 @@ class Plan:
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
         """The conditions of all verdicts, each once."""
-        return tuple(dict.fromkeys(one for verdict in self.verdicts for one in verdict.conditions))
+        return tuple(
+            dict.fromkeys(
+                condition for verdict in self.verdicts for condition in verdict.conditions
+            )
+        )
 
     @cached_property
     def regimes(self) -> tuple[str, ...]:
@@ -105,7 +111,7 @@ class Plan:
 
     def verdict_on(self, output: str) -> Verdict | None:
         """Return the verdict that judges an output; None for one that holds in every regime."""
-        return next((one for one in self.verdicts if output in one.outputs), None)
+        return next((verdict for verdict in self.verdicts if output in verdict.outputs), None)
 
     def only(self, output: str) -> "Plan":
         """Return the plan of one output alone, with the equations and parameters that it needs.
@@ -342,6 +348,7 @@ def _unknown_output(scene: Scene, variant: str, name: str, suggestions: Suggesti
 
 
 def _where_output_exists(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
+    # Message and fix if another variant or kind of study has the output; None if none has.
     variants = [variant_ for variant_ in scene.variants if name in scene.outputs(variant_)]
     if variants:
         return (
@@ -410,7 +417,7 @@ def _problem_of_unused(scene: Scene, variant: str, name: str, outputs: Collectio
         return Problem(
             path, f"{name} is not used by {', '.join(outputs)} of {scene.name}", "Remove it"
         )
-    users = [one for one in scene.variants if name in scene_parameters(scene, one)]
+    users = [variant_ for variant_ in scene.variants if name in scene_parameters(scene, variant_)]
     elsewhere = f", or set {scene.choice} to {' or '.join(users)}" if users else ""
     return Problem(path, f"{name} is not used by {scene.name}", f"Remove it{elsewhere}")
 
@@ -442,27 +449,29 @@ def run_equations(plan: Plan, parameters: Mapping[str, Any], watch: Watch | None
 
     Equations that take long, such as motions, ask `watch` whether to stop.
     """
-    known: Known = {name: np.asarray(value) for name, value in plan.defaults.items()}
-    return run(plan.equations, known | dict(parameters), watch)
+    defaults: Known = {name: np.asarray(value) for name, value in plan.defaults.items()}
+    return run(plan.equations, defaults | dict(parameters), watch)
 
 
-def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None) -> Known:
-    """Compute equations one after another, adding their results to `known`, which is returned."""
+def run(equations: Iterable[Equation], quantities: Known, watch: Watch | None = None) -> Known:
+    """Compute equations one after another; add their results to `quantities`, and return it."""
     with too_large_is_data():
         for equation in equations:
             watched = {"watch": watch} if equation.takes_long else {}
-            known[equation.gives] = equation.function(
-                **{name: known[name] for name in equation.inputs}, **watched
+            quantities[equation.gives] = equation.function(
+                **{name: quantities[name] for name in equation.inputs}, **watched
             )
-    return known
+    return quantities
 
 
-def regimes(plan: Plan, known: Mapping[str, Any]) -> dict[str, NDArray[np.int8]]:
+def regimes(plan: Plan, quantities: Mapping[str, Any]) -> dict[str, NDArray[np.int8]]:
     """Return the regimes of the cells by each verdict of a plan, by the name of the verdict."""
-    return {name: np.asarray(one) for name, one in regimes_of(plan.verdicts, known).items()}
+    return {
+        name: np.asarray(values) for name, values in regimes_of(plan.verdicts, quantities).items()
+    }
 
 
-def regimes_of(verdicts: Sequence[Verdict], known: Mapping[str, Any]) -> dict[str, Any]:
+def regimes_of(verdicts: Sequence[Verdict], quantities: Mapping[str, Any]) -> dict[str, Any]:
     """Return the number of each cell's regime by each verdict: the first condition that holds.
 
     A condition of several verdicts is looked at once. The results are int8.
@@ -470,7 +479,7 @@ def regimes_of(verdicts: Sequence[Verdict], known: Mapping[str, Any]) -> dict[st
     results: dict[str, Any] = {}
     with too_large_is_data():
         holds = {
-            condition: condition.function(**{name: known[name] for name in condition.inputs})
+            condition: condition.function(**{name: quantities[name] for name in condition.inputs})
             for condition in dict.fromkeys(
                 condition for verdict in verdicts for condition in verdict.conditions
             )

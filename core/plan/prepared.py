@@ -99,7 +99,7 @@ class Prepared:
     @property
     def added(self) -> tuple[Added, ...]:
         """Variables of the result beside the outputs: derivatives, ends of bands."""
-        return tuple(one for one in (self.derived, self.bands) if one is not None)
+        return tuple(added for added in (self.derived, self.bands) if added is not None)
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
@@ -113,9 +113,9 @@ class Prepared:
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each output."""
-        told = {name: unit for added in self.added for name, unit in added.units.items()}
-        told |= dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
-        return {name: told.get(name) or QUANTITIES[name].unit for name in self.dims}
+        added_units = {name: unit for added in self.added for name, unit in added.units.items()}
+        added_units |= dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
+        return {name: added_units.get(name) or QUANTITIES[name].unit for name in self.dims}
 
     @property
     def cells(self) -> int:
@@ -133,7 +133,7 @@ class Prepared:
 
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""
-        is_added_flag = any("flag_values" in one.labels.get(name, ()) for one in self.added)
+        is_added_flag = any("flag_values" in added.labels.get(name, ()) for added in self.added)
         return 1 if is_added_flag or self._is_flag(name) else 8
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
@@ -216,8 +216,8 @@ class Prepared:
     @property
     def seconds_to_verify(self) -> float:
         """The likely time of verification [s]; 0 if not asked for."""
-        asked = min(self.study.verify or 0, self.cells)
-        return asked * self.seconds_a_verified_cell if asked else 0.0
+        cells = min(self.study.verify or 0, self.cells)
+        return cells * self.seconds_a_verified_cell if cells else 0.0
 
     @property
     def computing_share(self) -> float:
@@ -315,10 +315,10 @@ def _problems_of_part(scene: Scene, variant: str, part: PartOfFile | None) -> It
 
 def names_intended(parameters: Iterable[object]) -> list[str]:
     """Return the parameters that a user intended, misspelt ones corrected, others left out."""
-    given = [*map(str, parameters)]
-    unknown = [name for name in given if name not in PARAMETERS]
-    meant = {name: intended(name, PARAMETERS) for name in unknown[:SEARCHED]}
-    names = (name if name in PARAMETERS else meant.get(name) for name in given)
+    names_given = [*map(str, parameters)]
+    unknown = [name for name in names_given if name not in PARAMETERS]
+    corrected = {name: intended(name, PARAMETERS) for name in unknown[:SEARCHED]}
+    names = (name if name in PARAMETERS else corrected.get(name) for name in names_given)
     return [name for name in names if name]
 
 
@@ -334,10 +334,10 @@ def locate_problem(problem: Problem, study: Study) -> Problem:
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
     """Yield problems of parameters whose ends on the grid break a relation of the scene."""
-    known = {*grid.along, *grid.fixed}
+    parameters = {*grid.along, *grid.fixed}
     for constraint in (*scene.constraints, *CONSTRAINTS):
         applies = constraint.variant in ("", variant)
-        if applies and set(constraint.parameters) <= known:
+        if applies and set(constraint.parameters) <= parameters:
             ends = [end for name in constraint.parameters for end in grid.bounds(name)]
             if not constraint.holds(*ends):
                 place = f"parameters.{constraint.parameters[0]}"
@@ -412,6 +412,8 @@ def _is_compiled() -> bool:
 def _spread_cells(
     plan: Plan, grid: Grid, ranges: Mapping[str, tuple[float, float]]
 ) -> tuple[dict[str, Array], int, float]:
+    # Parameters of sampled cells, their number, and the fraction of the cells with a motion of
+    # their own.
     depends = plan.depends_on(grid.along)
     axes_of_motion = frozenset().union(
         *(depends[equation.gives] for equation in plan.equations if equation.takes_long)
@@ -437,6 +439,7 @@ def _spread_cells(
 def _time_of_call_and_cell(
     plan: Plan, parameters: Mapping[str, Any], count: int
 ) -> tuple[float, float]:
+    # Seconds of a call beside those of its cells (0 if not told apart), and seconds of a cell.
     max_periods = float(np.max({**plan.defaults, **parameters}.get(LIMIT, 0.0)))
     periods = seconds_before = periods_before = 0.0
     while True:
@@ -463,6 +466,7 @@ def _time_of_call_and_cell(
 
 
 def _timed_round(plan: Plan, parameters: Mapping[str, Any], count: int, periods: float) -> _Round:
+    # Follow the first `count` cells for some periods, with a bound on the time.
     cells = {name: value[:count] if np.ndim(value) else value for name, value in parameters.items()}
     if LIMIT in plan.defaults or LIMIT in parameters:
         cells[LIMIT] = np.asarray(periods)

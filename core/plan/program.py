@@ -133,6 +133,8 @@ def _is_called(node: Node) -> bool:
 
 
 def _stages(order: Order, nodes: Sequence[Node], results: Sequence[Any]) -> tuple[Stage, ...]:
+    # Functions that loops cannot call run by numpy between loops: each stage is a loop that
+    # computes their inputs, then those functions.
     stage_of = _stage_numbers(results)
     leaves = [node for node in nodes if node.function is None]
     calls = [(stage_of[node.number], node) for node in nodes if _is_called(node)]
@@ -158,6 +160,7 @@ def _rebuilt(
     edge: Iterable[Node],
     special: tuple[tuple[int, float | bool], ...],
 ) -> tuple[list[Any], list[Node]]:
+    # The results on a new graph whose leaves are the nodes `edge`, and the nodes that they need.
     graph = Graph()
     rebuilt_nodes: dict[int, Any] = {
         node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
@@ -179,6 +182,7 @@ def _rebuilt(
 
 
 def _stage_numbers(results: Iterable[Any]) -> dict[int, int]:
+    # The stage after which each node is known: one more with each call of numpy on the way.
     stages: dict[int, int] = {}
 
     def visit(node: Node) -> int:
@@ -197,21 +201,22 @@ class Values:
     """Values of nodes that numpy computes, each once, on the grid of its own axes."""
 
     def __init__(self, traced: Traced, plan: Plan, grid: Grid):
+        # Leaves have the values of parameters and defaults; other nodes follow on request.
         self._axes = tuple(grid.axes)
-        self._known: dict[int, Any] = {}
+        self._values: dict[int, Any] = {}
         values = grid.si()
         for node in traced.graph.nodes:
             if node.function is None:
                 value = values[node.name] if node.name in values else plan.defaults[node.name]
-                self._known[node.number] = np.asarray(value)
+                self._values[node.number] = np.asarray(value)
 
     def of(self, operand: Any) -> Any:
         """Return the value of a node, computed once, of size 1 along other axes; or a constant."""
         if not isinstance(operand, Node):
             return operand
-        if operand.number not in self._known:
-            self._known[operand.number] = operand.function(*map(self.of, operand.inputs))  # type: ignore[misc]
-        return self._known[operand.number]
+        if operand.number not in self._values:
+            self._values[operand.number] = operand.function(*map(self.of, operand.inputs))  # type: ignore[misc]
+        return self._values[operand.number]
 
     def over(self, operand: Any, axes: Iterable[str]) -> Array:
         """Return the value of a node or constant as an array over `axes`, or as a scalar."""

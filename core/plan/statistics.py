@@ -140,6 +140,6 @@ def probability(has_happened: Mask) -> Estimate:
     )
 
 
-def share(lost: NDArray[np.bool_]) -> Any:
-    """Return the share of points that have no value, (..., replicates, count)."""
-    return lost.mean(axis=(-2, -1))
+def fraction_of(without_value: NDArray[np.bool_]) -> Any:
+    """Return the fraction of points without a value; the mask is (..., replicates, count)."""
+    return without_value.mean(axis=(-2, -1))

@@ -95,7 +95,7 @@ class Node(NDArrayOperatorsMixin):
     @property
     def before(self) -> "Iterator[Node]":
         """The nodes among its inputs."""
-        return (one for one in self.inputs if isinstance(one, Node))
+        return (operand for operand in self.inputs if isinstance(operand, Node))
 
     def __array_ufunc__(
         self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
@@ -177,7 +177,9 @@ def _identity(operand: Any) -> Any:
 
 
 def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
-    samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
+    samples = (
+        np.ones(1, operand.dtype) if isinstance(operand, Node) else operand for operand in operands
+    )
     with np.errstate(all="ignore"):
         try:
             return np.asarray(function(*samples)).dtype
@@ -254,6 +256,7 @@ def _traced(
     parameters: tuple[str, ...],
     ranged: tuple[tuple[str, str], ...],
 ) -> Traced | None:
+    # The equations run on nodes in place of arrays, which record each operation.
     graph = Graph()
     axes = {name: {axis} for name, axis in ranged}
     leaves = {name: graph.leaf(name, axes.get(name, ())) for name in parameters}

@@ -80,12 +80,14 @@ class Budget:
     @cached_property
     def ends(self) -> Array:
         """The ends of the tolerances, shape (2, parameters), in the units of studies."""
-        return np.array([tolerance(name, one) for name, one in self.distributions.items()]).T
+        return np.array(
+            [tolerance(name, distribution) for name, distribution in self.distributions.items()]
+        ).T
 
     @cached_property
     def middle(self) -> Array:
         """The nominal values, shape (parameters,), in the units of studies."""
-        return np.array([nominal(one) for one in self.distributions.values()])
+        return np.array([nominal(distribution) for distribution in self.distributions.values()])
 
     @cached_property
     def _steps(self) -> Array:

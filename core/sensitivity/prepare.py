@@ -35,12 +35,12 @@ LEVEL = "level"
 """The dimension of the quantiles of which a whole distribution is drawn."""
 
 
-def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
+def _variables_of_demand(demand: Demand) -> Iterator[ResultVariable]:
     name = f"probability_{demand.name}"
-    what = f"robability of {in_words(demand)}"
+    label = f"robability of {in_words(demand)}"
     comment = "Points without a valid value count as not meeting it."
-    yield ResultVariable(name, (), "1", f"P{what}", comment, demand.model_dump(exclude_none=True))
-    yield ResultVariable(f"{name}_error", (), "1", f"Error of the p{what}", INTERVAL)
+    yield ResultVariable(name, (), "1", f"P{label}", comment, demand.model_dump(exclude_none=True))
+    yield ResultVariable(f"{name}_error", (), "1", f"Error of the p{label}", INTERVAL)
 
 
 def in_words(demand: Demand) -> str:
@@ -150,8 +150,8 @@ class Sensitivity(Prepared):
     def result_variables(self) -> dict[str, ResultVariable]:
         """Every variable of the result except the verdicts."""
         of_outputs = (_variables_of_output(self.study, name) for name in self.outputs)
-        found = chain(*map(_of_demand, self.study.demands), *of_outputs)
-        return {one.name: one for one in found}
+        variables = chain(*map(_variables_of_demand, self.study.demands), *of_outputs)
+        return {variable.name: variable for variable in variables}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
@@ -168,14 +168,14 @@ class Sensitivity(Prepared):
     def units(self) -> dict[str, str]:
         """The unit of each variable."""
         flags = dict.fromkeys(self.plan.verdict_names, "1")
-        return {name: one.unit for name, one in self.result_variables.items()} | flags
+        return {name: variable.unit for name, variable in self.result_variables.items()} | flags
 
     @property
     def sizes(self) -> Mapping[str, int]:
         """The length of each dimension."""
         quantiles = len(self.study.quantiles)
-        more = {UNCERTAIN: len(self.uncertain), QUANTILE: quantiles, LEVEL: LEVELS}
-        return {**more, **self.grid.shape}
+        own_sizes = {UNCERTAIN: len(self.uncertain), QUANTILE: quantiles, LEVEL: LEVELS}
+        return {**own_sizes, **self.grid.shape}
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Return values unchanged: they are computed in the units of files."""
@@ -192,6 +192,7 @@ class Sensitivity(Prepared):
         return evaluations_of(self.study, self.budget)
 
     def _new_price(self) -> Price:
+        # Motions are priced by some that are spread over the tolerances.
         untimed = None
         if any(equation.takes_long for equation in self.plan.equations):
             untimed = methods_of(self.plan.scene.name)[self.plan.variant].seconds_a_cell

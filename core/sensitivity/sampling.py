@@ -78,7 +78,7 @@ class _Evaluator:
         self, prepared: Sensitivity, designs: Mapping[str, Array], count: int, watch: Watch
     ):
         self.prepared, self.designs, self.count, self.watch = prepared, designs, count, watch
-        self.long = sum(one.takes_long for one in prepared.plan.equations)
+        self.long = sum(equation.takes_long for equation in prepared.plan.equations)
 
     def of(self, samples: Mapping[str, Array]) -> Arrays:
         """Return outputs and regimes of all designs at values of the uncertain parameters.
@@ -103,6 +103,7 @@ class _Evaluator:
         return {name: np.concatenate([part[name] for part in parts], -1) for name in parts[0]}
 
     def _evaluate(self, samples: Mapping[str, Array]) -> Arrays:
+        # Outputs, NaN where a regime is not valid, and regimes, shape (designs, points).
         plan, points = self.prepared.plan, next(iter(samples.values())).size
         shape = (self.count, points)
         with np.errstate(all="ignore"):
@@ -164,7 +165,7 @@ def _statistics_of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[
     for name in prepared.outputs:
         output = values[name]
         sampled = output[:, 0]
-        yield f"{name}_left_out", statistics.share(np.isnan(sampled))
+        yield f"{name}_left_out", statistics.fraction_of(np.isnan(sampled))
         if "distribution" in study.analyses:
             mean, deviation = statistics.mean_and_deviation(sampled)
             quantiles = statistics.quantiles(sampled, np.array(study.quantiles))

@@ -91,8 +91,8 @@ def _observed_schema(name: str) -> dict[str, Any]:
 
 @refusing
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
-    known = ((name, info.data.get(name)) for name in OBSERVED)
-    output, value = next((one for one in known if one[1] is not None), (None, None))
+    measured = ((name, info.data.get(name)) for name in OBSERVED)
+    output, value = next((pair for pair in measured if pair[1] is not None), (None, None))
     # What is wrong with the value is told there.
     return (
         read_error(output, raw, value) if raw is not None and output and value is not None else None
@@ -207,9 +207,11 @@ def spread_rows(raw: object) -> object:
 def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
     lengths = {name: len(value) for name, value in entry.items() if isinstance(value, list | tuple)}
     if len({*lengths.values()}) > 1:
-        told = ", ".join(f"{str(name)[:40]} {length}" for name, length in lengths.items())
+        lengths_in_words = ", ".join(
+            f"{str(name)[:40]} {length}" for name, length in lengths.items()
+        )
         raise refusal(
-            f"the lists of entry {number} of the observations differ in length: {told}",
+            f"the lists of entry {number} of the observations differ in length: {lengths_in_words}",
             "Give each as many values as there are runs, or one for all of them",
         )
     for row in range(next(iter(lengths.values()), 1)):

@@ -134,8 +134,8 @@ def _unknown_form(name: str, keys: frozenset[str]) -> UnitError:
         shown = unknown[0][:40]
         return UnitError(f"'{shown}' is not a key of a distribution", suggestion(shown, known))
     forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
-    told = f"{', '.join(sorted(keys))} alone make" if keys else "this is"
-    return UnitError(f"{name}: {told} no distribution", f"Write one of {', '.join(forms[:-1])}")
+    subject = f"{', '.join(sorted(keys))} alone make" if keys else "this is"
+    return UnitError(f"{name}: {subject} no distribution", f"Write one of {', '.join(forms[:-1])}")
 
 
 def _triangular(name: str, raw: Mapping[str, object], quantity: Quantity) -> Triangular:

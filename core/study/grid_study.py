@@ -331,6 +331,7 @@ PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.par
 
 
 def _tidy(schema: dict[str, Any]) -> None:
+    # Drops titles that repeat the names, and null as default; adds the words of angles.
     required, properties = schema.get("required", ()), schema.get("properties", {})
     for name, field in properties.items():
         if field.get("title", "").lower() == name.replace("_", " "):
@@ -611,7 +612,7 @@ class Study(Frozen):
         content["parameters"] = {name: values.canonical() for name, values in self.values().items()}
         return content
 
-    def said(self) -> dict[str, Any]:
+    def without_defaults(self) -> dict[str, Any]:
         """Return the kind and the content without the fields that have their default values."""
         fields = type(self).model_fields
         return {
@@ -622,7 +623,9 @@ class Study(Frozen):
 
     def __repr__(self) -> str:
         """Return the study as the Python call that makes it, without defaults."""
-        words = (f"{name}={value!r}" for name, value in self.said().items() if name != "kind")
+        words = (
+            f"{name}={value!r}" for name, value in self.without_defaults().items() if name != "kind"
+        )
         return f"{type(self).__name__}({', '.join(words)})"
 
     __str__ = __repr__
@@ -630,7 +633,7 @@ class Study(Frozen):
     def _repr_html_(self) -> str:
         """Return the study as an HTML table for notebooks, a row for each field that is set."""
         rows: list[tuple[str, object]] = []
-        for name, value in self.said().items():
+        for name, value in self.without_defaults().items():
             section = value.items() if isinstance(value, dict) else None
             rows += (
                 [(f"{name}.{key}", entry) for key, entry in section] if section else [(name, value)]

@@ -143,7 +143,7 @@ class SensitivityStudy(DrivenStudy):
 
     def asked(self) -> tuple[str, ...]:
         """Return every output that is needed, those of demands last."""
-        demanded = (one.output for one in self.demands if one.output is not None)
+        demanded = (demand.output for demand in self.demands if demand.output is not None)
         return tuple(dict.fromkeys((*self.outputs, *demanded)))
 
     def places(self) -> dict[str, str]:
@@ -153,7 +153,7 @@ class SensitivityStudy(DrivenStudy):
     def output_places(self) -> dict[str, str]:
         """Return the paths of outputs that stand in demands, by output, for messages."""
         return first_paths(
-            (one.output, f"demands.{number}.output")
-            for number, one in enumerate(self.demands)
-            if one.output is not None and one.output not in self.outputs
+            (demand.output, f"demands.{number}.output")
+            for number, demand in enumerate(self.demands)
+            if demand.output is not None and demand.output not in self.outputs
         )

@@ -141,6 +141,7 @@ def read_shown(words: Iterable[str]) -> ShownUnits:
 
 
 def _unit_of_word(word: str) -> tuple[str, Shown]:
+    # The unit of the quantities that the word can measure, and the factor to it.
     units = dict.fromkeys(quantity.unit for quantity in QUANTITIES.values())
     for unit in sorted(units, key=lambda unit: unit == "m s-2"):  # "g" is the gram here
         if unit == "1":

@@ -66,6 +66,7 @@ def factor_between(text: str, own: str) -> Fraction | None:
 
 @lru_cache(512)
 def _read(text: str) -> tuple[Fraction, Dimensions] | None:
+    # The size in SI units and the exponents of the dimensions; None if a word is unknown.
     size, dimensions = Fraction(1), list(_NONE)
     start = 1 if re.match(r"1(?=\s?/|$)", text) else 0
     while start < len(text):
@@ -141,7 +142,7 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
 
 def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
     if not isinstance(raw, int | float | str):  # a scalar of another library
-        scalar, unit = apart(raw)
+        scalar, unit = split_unit(raw)
         scalar = scalar.item() if getattr(scalar, "ndim", None) == 0 else scalar
         raw = with_own_unit(scalar, unit)
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
@@ -283,7 +284,7 @@ def in_own_unit(name: str, quantity: Quantity, value: Any) -> Any:
     A data array of xarray keeps its labels; what carries no unit is returned as it is. Raises
     `UnitError` if its unit is none of the quantity; `name` is for messages.
     """
-    numbers, unit = apart(value)
+    numbers, unit = split_unit(value)
     if not unit:
         return value
     converted = numbers * float(unit_factor(name, quantity, unit))
@@ -392,7 +393,7 @@ _PLAIN_NUMBER = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*")
 _NAMELESS = re.compile(r"dim_\d+")
 
 
-def apart(value: Any) -> tuple[Any, str]:
+def split_unit(value: Any) -> tuple[Any, str]:
     """Return the numbers of an array or quantity, and the unit that it carries, or "".
 
     The value may be a data array of xarray with the attribute `units` or a quantity of pint inside,

@@ -102,6 +102,7 @@ def likely_unit_of_times(frequency: float) -> str | None:
 
 
 def _fitted(content: Mapping[Any, Any]) -> dict[str, float]:
+    # The numbers of a fitted drive that the parameters have unchanged.
     drive, parameters = content.get("drive"), content.get("parameters")
     numbers = drive.get("numbers") if isinstance(drive, Mapping) else None
     if not isinstance(numbers, Mapping) or not isinstance(parameters, Mapping):
@@ -123,12 +124,12 @@ def _columns(rows: object) -> dict[str, list[Any]]:
 
 def _questions_of_vertical(content: object) -> list[str]:
     smallest_sine = min(
-        (abs(math.sin(math.radians(angle))) for angle in _all(content, "beta")), default=0.0
+        (abs(math.sin(math.radians(angle))) for angle in _values_of(content, "beta")), default=0.0
     )
     found = []
     for name, along in VERTICAL.items():
         low, high = QUANTITIES[along].usual or (0.0, math.inf)
-        largest = max(map(abs, _all(content, name)), default=0.0)
+        largest = max(map(abs, _values_of(content, name)), default=0.0)
         if largest > high * smallest_sine > 0:
             shown = ShownUnits().of(QUANTITIES[along].unit, high)
             size, *ends = (
@@ -141,10 +142,16 @@ def _questions_of_vertical(content: object) -> list[str]:
     return found
 
 
-def _all(content: object, name: str) -> list[float]:
-    sections = [content.get(part) for part in PARTS] if isinstance(content, Mapping) else []
-    written = [one[name] for one in sections if isinstance(one, Mapping) and name in one]
-    leaves = [leaf for raw in written for leaf in leaves_of(raw)]
+def _values_of(content: object, name: str) -> list[float]:
+    sections = (
+        [content.get(section_name) for section_name in PARTS]
+        if isinstance(content, Mapping)
+        else []
+    )
+    raw_values = [
+        section[name] for section in sections if isinstance(section, Mapping) and name in section
+    ]
+    leaves = [leaf for raw_value in raw_values for leaf in leaves_of(raw_value)]
     return [*read_numbers(name, QUANTITIES[name], leaves)] if leaves else []
 
 

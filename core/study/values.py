@@ -70,6 +70,7 @@ def evenly(
         Shape (stop - start,); a part has the bits of the whole.
     """
     stop = size if stop is None else stop
+    # Value k is exactly (offset + k stride)/divisor; floats hold integers up to `EXACT` exactly.
     offset, stride, divisor = _integer_steps(first, last, size)
     if divisor <= EXACT and max(abs(offset), abs(offset + (size - 1) * stride)) <= EXACT:
         values = np.arange(start, stop, dtype=np.int64)
@@ -114,6 +115,7 @@ def _integer_steps(first: float, last: float, size: int) -> tuple[int, int, int]
 def _approximately(
     first: float, last: float, size: int, start: int, stop: int
 ) -> NDArray[np.float64]:
+    # As `numpy.linspace`, or a slice of it; the last value is exact.
     values = np.arange(start, stop, dtype=np.float64)
     step = (last - first) / (size - 1)
     values = values * step if step else values / (size - 1) * (last - first)
@@ -420,6 +422,7 @@ def _read_band(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Band
 
 
 def _published_friction(name: str, pair: str, surface: str) -> tuple[float, float]:
+    # The ends of all published values for the pair.
     if "friction" not in name:
         raise UnitError(
             f"{name} is not a friction coefficient, so it has no pair", "Write low and high"

@@ -50,6 +50,7 @@ def _unreadable(path: Path, section: str, error: Exception) -> StudyError:
 
 
 def _of_wav(path: Path) -> tuple[dict[str, Column], float]:
+    # The channels by name, and the seconds between samples, 0 if not stated.
     from scipy.io import wavfile  # slow to import, and rarely needed
 
     rate, samples = wavfile.read(path)
@@ -62,6 +63,7 @@ def _of_wav(path: Path) -> tuple[dict[str, Column], float]:
 
 
 def _of_mat(path: Path) -> tuple[dict[str, Column], float]:
+    # The channels by name, and the seconds between samples, 0 if not stated.
     from scipy.io import loadmat  # as above
 
     columns: dict[str, Column] = {}
@@ -82,6 +84,7 @@ def _of_mat(path: Path) -> tuple[dict[str, Column], float]:
 
 
 def _of_tdms(path: Path) -> tuple[dict[str, Column], float]:
+    # The channels by name, and the seconds between samples, 0 if not stated.
     from nptdms import TdmsFile
 
     channels = [channel for group in TdmsFile.read(path).groups() for channel in group.channels()]
@@ -96,6 +99,7 @@ def _of_tdms(path: Path) -> tuple[dict[str, Column], float]:
 
 
 def _of_uff(path: Path) -> tuple[dict[str, Column], float]:
+    # The channels by name, and the seconds between samples, 0 if not stated.
     import pyuff
 
     datasets = pyuff.UFF(str(path)).read_sets()

@@ -160,16 +160,18 @@ def _heading(lines: Lines, first: int) -> tuple[list[str], list[str], int]:
 
 def _can_name(cells: Sequence[str], width: int, widest: int) -> bool:
     # Rows may lack remarks and empty cells at their end; names are no numbers.
-    named = cells[: _filled(cells)]
-    more = [cell for cell in named[max(width, widest) :] if cell.strip().casefold() not in REMARKS]
-    return len(named) >= width > 0 and not more and not any(map(is_value, named))
+    filled = cells[: _filled(cells)]
+    surplus = [
+        cell for cell in filled[max(width, widest) :] if cell.strip().casefold() not in REMARKS
+    ]
+    return len(filled) >= width > 0 and not surplus and not any(map(is_value, filled))
 
 
 def _check_rows(body: Sequence[Row], width: int, section: str) -> None:
-    odd = [(line, len(row)) for line, row in body if any(map(is_value, row[width:]))]
-    if odd:
-        line, count = odd[0]
-        more = f" ({len(odd):,} such lines)" if len(odd) > 1 else ""
+    too_wide = [(line, len(row)) for line, row in body if any(map(is_value, row[width:]))]
+    if too_wide:
+        line, count = too_wide[0]
+        more = f" ({len(too_wide):,} such lines)" if len(too_wide) > 1 else ""
         message = f"line {line} has {count} cells, but the heading has {width}{more}"
         raise refused(section, message, SEMICOLONS)
 

@@ -128,6 +128,7 @@ class InputTable:
         return float(text) if BARE_NUMBER.fullmatch(text) and "," not in text else text
 
     def _values(self, column: Column) -> NDArray[np.float64]:
+        # Numbers, or seconds if all cells are times; NaN for any other cell.
         cells = column.cells
         if isinstance(cells, np.ndarray):
             return cells.astype(np.float64)

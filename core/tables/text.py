@@ -57,9 +57,9 @@ def text_of(raw: bytes) -> str:
 
 def number_and_unit(cell: str) -> tuple[str, str] | None:
     """Return the number of a cell, which may have a comma, and the rest; None if it is none."""
-    found = _NUMBER.fullmatch(cell.strip())
-    rest = (found[2] or "") if found else ""
-    return (found[1], rest) if found and not rest.lstrip()[:1].isdigit() else None
+    match = _NUMBER.fullmatch(cell.strip())
+    remainder = (match[2] or "") if match else ""
+    return (match[1], remainder) if match and not remainder.lstrip()[:1].isdigit() else None
 
 
 def is_value(cell: str) -> bool:
@@ -160,29 +160,36 @@ def contradictions(columns: Mapping[str, Sequence[str]]) -> dict[str, str]:
         name: [match[0] for cell in dict.fromkeys(cells) if (match := number_and_unit(cell))]
         for name, cells in columns.items()
     }
-    marked = {
+    # By column and mark the first cell that has it; then by mark the first column that has it.
+    cell_with_mark = {
         name: {mark: cell for cell in cells[::-1] for mark in ",." if mark in cell}
         for name, cells in numbers.items()
     }
-    column_with_mark = {mark: name for name in [*marked][::-1] for mark in marked[name]}
+    column_with_mark = {
+        mark: name for name in [*cell_with_mark][::-1] for mark in cell_with_mark[name]
+    }
     faults: dict[str, str] = {}
-    for name, marks in marked.items():
+    for name, marks in cell_with_mark.items():
         if marks and len(column_with_mark) == 2:
             shown = " and ".join(
-                f"column '{column_name}' has '{marked[column_name][mark]}'"
+                f"column '{column_name}' has '{cell_with_mark[column_name][mark]}'"
                 for mark, column_name in [*column_with_mark.items()][::-1]
             )
             faults[name] = f"{shown}: one of the two marks separates thousands"
-        elif marks and (short := _thousands(numbers[name])) is not None:
+        elif marks and (number := _thousands(numbers[name])) is not None:
             marked_cell = next(iter(marks.values()))
             faults[name] = (
-                f"column '{name}' has '{marked_cell}' beside '{short}': thousands are separated"
+                f"column '{name}' has '{marked_cell}' beside '{number}': thousands are separated"
             )
     return faults
 
 
 def _thousands(cells: Sequence[str]) -> str | None:
-    whole = [cell for cell in cells if _WHOLE.fullmatch(cell)]
+    whole_numbers = [cell for cell in cells if _WHOLE.fullmatch(cell)]
     others = [cell for cell in cells if not _WHOLE.fullmatch(cell)]
-    are_short = all(len(cell.lstrip("+-")) <= 3 for cell in whole)
-    return whole[-1] if whole and are_short and all(map(_THOUSANDS.fullmatch, others)) else None
+    are_short = all(len(cell.lstrip("+-")) <= 3 for cell in whole_numbers)
+    return (
+        whole_numbers[-1]
+        if whole_numbers and are_short and all(map(_THOUSANDS.fullmatch, others))
+        else None
+    )
