@@ -54,14 +54,14 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
     them.
     """
     scene, chosen = find_scene(name, variant)
-    line = next(line for line in describe_all() if line["name"] == name)
+    description = next(line for line in describe_all() if line["name"] == name)
     if method is not None:
         scene, chosen = find_scene(name, method, SYSTEMS)
         has_path = methods_of(name)[chosen].course is not None
-        line |= {"title": scene.title, "trajectory": has_path}
+        description |= {"title": scene.title, "trajectory": has_path}
         drives = {**DRIVE, **TURNS} if name == PLATE else DRIVE
         if name in CONTACTS:
-            line["other_drives"] = [
+            description["other_drives"] = [
                 {
                     "kind": kind,
                     "parameters": [n for n in drives if n.startswith(stems)],
@@ -70,9 +70,11 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
                 for kind, stems in DRIVES.items()
             ]
     conditions = scene.conditions[chosen]
-    regimes = {one.regime for one in conditions} | {one.otherwise for one in conditions}
+    regimes = {condition.regime for condition in conditions} | {
+        condition.otherwise for condition in conditions
+    }
     return {
-        **line,
+        **description,
         scene.choice: chosen,
         "validity": scene.validity,
         "parameters": [
@@ -105,8 +107,8 @@ def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...
 
     What its regime needs besides is not among them.
     """
-    met = behind((output,), scene.producers(variant).get)
-    needed = {name for name, equation in met.items() if equation is None}
+    reached = behind((output,), scene.producers(variant).get)
+    needed = {name for name, equation in reached.items() if equation is None}
     return tuple(name for name in QUANTITIES if name in needed)
 
 
@@ -118,15 +120,21 @@ def asked_parameters(
     With `required` those only that such a study has to give, as they have no default. A simulation
     always includes those of its status, as it follows the part in any case.
     """
-    regimes = (one for one in scene.conditions[variant] if output in one.outputs)
+    regimes = (condition for condition in scene.conditions[variant] if output in condition.outputs)
     produced, defaults = scene.producers(variant), scene.defaults_of(variant)
     always = [name for name in ("motion_status",) if name in produced]
-    wanted = (output, *always, *(name for condition in regimes for name in condition.inputs))
-    # A default stands for a quantity that others use; who asks for it wants its equation.
-    known = set(defaults) - {output} if required else set()
-    met = behind(wanted, lambda name: None if name in known else produced.get(name))
-    found = {name for name, equation in met.items() if equation is None} - known
-    return tuple(name for name in QUANTITIES if name in found)
+    needed_quantities = (
+        output,
+        *always,
+        *(name for condition in regimes for name in condition.inputs),
+    )
+    # A default replaces the equation of a quantity, unless that quantity itself is the output.
+    given_by_default = set(defaults) - {output} if required else set()
+    reached = behind(
+        needed_quantities, lambda name: None if name in given_by_default else produced.get(name)
+    )
+    parameters = {name for name, equation in reached.items() if equation is None} - given_by_default
+    return tuple(name for name in QUANTITIES if name in parameters)
 
 
 def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]:
@@ -194,25 +202,30 @@ class SceneCard:
 
     def __repr__(self) -> str:
         choices = (line for choice in self._choices() for line in _wrapped(choice))
-        head = [*_wrapped(f"{self.name}: {self.title}"), *choices]
+        heading = [*_wrapped(f"{self.name}: {self.title}"), *choices]
+        # Parameters that differ by a number at the end share a row: `gap_1 to 9`.
         families: dict[str, list[str]] = {}
         for name in self.parameters:
             families.setdefault(re.sub(r"_\d+$", "", name), []).append(name)
         rows = []
-        for first, *more in families.values():
-            to = f" to {more[-1].rpartition('_')[2]}" if more else ""
-            rows.append((first + to, *_parameter(self.parameters[first])[1:]))
-        tail = [
+        for first, *others in families.values():
+            last_number = f" to {others[-1].rpartition('_')[2]}" if others else ""
+            rows.append((first + last_number, *_parameter(self.parameters[first])[1:]))
+        below_outputs = [
             "",
             *_wrapped(f"Validity: {self.validity}"),
             *_wrapped(f"Regimes: {self._regimes()}"),
         ]
-        top = [*head, "", *_aligned(PARAMETER, rows)]
-        listed = _aligned(OUTPUT, map(_output, self.outputs.values()))
-        if len(top) + len(listed) + len(tail) > LINES:
-            named = ", ".join(f"{name} [{_unit(one)}]" for name, one in self.outputs.items())
-            listed = _wrapped(f"Outputs: {named.replace(' []', '')}. `.outputs[name]` says more.")
-        return "\n".join([*top, "", *listed, *tail])
+        above_outputs = [*heading, "", *_aligned(PARAMETER, rows)]
+        output_lines = _aligned(OUTPUT, map(_output, self.outputs.values()))
+        if len(above_outputs) + len(output_lines) + len(below_outputs) > LINES:
+            names_and_units = ", ".join(
+                f"{name} [{_unit(entry)}]" for name, entry in self.outputs.items()
+            )
+            output_lines = _wrapped(
+                f"Outputs: {names_and_units.replace(' []', '')}. `.outputs[name]` says more."
+            )
+        return "\n".join([*above_outputs, "", *output_lines, *below_outputs])
 
     def _repr_html_(self) -> str:
         outputs = [(*_output(entry), entry["description"]) for entry in self.outputs.values()]
@@ -226,12 +239,12 @@ class SceneCard:
 
     def _choices(self) -> list[str]:
         chosen = self.content.get("method") or self.content["variant"]
-        ways = {"variant (sweep)": "variants", "method in time (simulate)": "methods"}
-        lines = [
-            f"{way}: {', '.join(f'{one}*' if one == chosen else one for one in self.content[key])}"
-            for way, key in ways.items()
-            if self.content[key]
-        ]
+        keys = {"variant (sweep)": "variants", "method in time (simulate)": "methods"}
+        names = {
+            title: [f"{name}*" if name == chosen else name for name in self.content[key]]
+            for title, key in keys.items()
+        }
+        lines = [f"{title}: {', '.join(marked)}" for title, marked in names.items() if marked]
         return [*lines, "* shown here; a parameter without default is given if an output needs it"]
 
     def _regimes(self) -> str:
@@ -243,9 +256,9 @@ def _unit(entry: Mapping[str, Any]) -> str:
 
 
 def _parameter(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    least, most = entry["lower"], entry["upper"]
-    ends = [] if least is None else [f"{'>' if entry['lower_excluded'] else '>='} {least:g}"]
-    ends += [] if most is None else [f"<= {most:g}"]
+    lower, upper = entry["lower"], entry["upper"]
+    ends = [] if lower is None else [f"{'>' if entry['lower_excluded'] else '>='} {lower:g}"]
+    ends += [] if upper is None else [f"<= {upper:g}"]
     default = "" if entry["default"] is None else f"{entry['default']:g}"
     others = f"For {', '.join(entry['instead_of'])}: " if entry["instead_of"] else ""
     return (entry["name"], _unit(entry), default, ", ".join(ends), others + entry["description"])
@@ -255,14 +268,17 @@ def _output(entry: Mapping[str, Any]) -> tuple[str, ...]:
     return (entry["name"], _unit(entry), entry["source"], entry["equation"])
 
 
-def _aligned(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    table = [heads, *rows]
+def _aligned(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    # Columns of equal width; the last one has what is left of the line.
+    table = [headings, *rows]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)][:-1]
     lines = []
     for row in table:
-        begin = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False))
-        left = max(20, WIDTH - len(begin) - 2)
-        lines.append(f"{begin}  {textwrap.shorten(row[-1], left, placeholder=' ...')}".rstrip())
+        beginning = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False))
+        width_left = max(20, WIDTH - len(beginning) - 2)
+        lines.append(
+            f"{beginning}  {textwrap.shorten(row[-1], width_left, placeholder=' ...')}".rstrip()
+        )
     return lines
 
 
@@ -270,7 +286,7 @@ def _wrapped(text: str) -> list[str]:
     return textwrap.wrap(text, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
 
 
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     style = "text-align: left; white-space:"
     lines = [
         "".join(
@@ -278,6 +294,6 @@ def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
             f"{escape(cell)}</{tag}>"
             for cell in cells
         )
-        for tag, cells in (("th", heads), *(("td", row) for row in rows))
+        for tag, cells in (("th", headings), *(("td", row) for row in rows))
     ]
     return f"<table><tr>{'</tr><tr>'.join(lines)}</tr></table>"

@@ -24,15 +24,15 @@ def code_version() -> str:
 
 
 @functools.cache
-def digest(without: tuple[str, ...] = ()) -> str:
+def digest(left_out: tuple[str, ...] = ()) -> str:
     """Return a digest of the sources of core, 64 hexadecimal digits.
 
-    `without` are files and folders that do not count. It is the same on every system.
+    `left_out` are files and folders that do not count. It is the same on every system.
     """
     content = hashlib.sha256()
-    files = (file for form in ("py", "toml") for file in CORE.rglob(f"*.{form}"))
+    files = (file for suffix in ("py", "toml") for file in CORE.rglob(f"*.{suffix}"))
     for name, file in sorted((file.relative_to(CORE).as_posix(), file) for file in files):
-        if name.partition("/")[0] not in without:
+        if name.partition("/")[0] not in left_out:
             source = file.read_bytes().replace(b"\r\n", b"\n")  # a checkout on Windows has both
             content.update(f"{name} {len(source)}\n".encode() + source)
     return content.hexdigest()

@@ -72,9 +72,9 @@ def compiled_source(source: str) -> Any:
     names: dict[str, Any] = {"choose": _choose, "binade": _binade, "exponent": _exponent}
     names |= {name: getattr(math, name) for name in ("copysign", "inf", "nan", "sqrt")}
     names |= {"__name__": __name__, "__builtins__": __builtins__}
-    known = set(names)
-    exec(compile(source, file, "exec"), names)  # our own text, from a graph of known steps
-    (name,) = names.keys() - known
+    names_before = set(names)
+    exec(compile(source, file, "exec"), names)  # a text written by core/plan, never by a user
+    (name,) = names.keys() - names_before
     return disjoint(names[name])
 
 
@@ -82,16 +82,16 @@ def compiled_source(source: str) -> Any:
 def _choose(context: Any, condition: Any, first: Any, second: Any) -> Any:
     """Return `first` if the condition holds, else `second`, without a branch."""
     del context
-    truth = isinstance(first, types.Boolean) and isinstance(second, types.Boolean)
-    result = types.boolean if truth else types.float64
+    is_boolean = isinstance(first, types.Boolean) and isinstance(second, types.Boolean)
+    result = types.boolean if is_boolean else types.float64
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         condition, *values = arguments
-        taken = (
-            context.cast(builder, value, kind, result)
-            for value, kind in zip(values, signature.args[1:], strict=True)
+        cast_values = (
+            context.cast(builder, value, value_type, result)
+            for value, value_type in zip(values, signature.args[1:], strict=True)
         )
-        return builder.select(condition, *taken)
+        return builder.select(condition, *cast_values)
 
     return result(condition, first, second), generate
 
@@ -116,18 +116,18 @@ def _exponent(context: Any, value: Any) -> Any:
     del context
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        field = _exponent_bits(builder, arguments[0])
-        whole = field.type
-        field = builder.or_(builder.lshr(field, whole(52)), whole(0x433 << 52))
-        shifted = builder.bitcast(field, arguments[0].type)
+        exponent_bits = _exponent_bits(builder, arguments[0])
+        integer = exponent_bits.type
+        exponent_bits = builder.or_(builder.lshr(exponent_bits, integer(52)), integer(0x433 << 52))
+        shifted = builder.bitcast(exponent_bits, arguments[0].type)
         return builder.fsub(shifted, arguments[0].type(2.0**52 + 1023))
 
     return types.float64(types.float64), generate
 
 
 def _exponent_bits(builder: Any, value: Any) -> Any:
-    whole = ir.IntType(64)
-    return builder.and_(builder.bitcast(value, whole), whole(0x7FF << 52))
+    integer = ir.IntType(64)
+    return builder.and_(builder.bitcast(value, integer), integer(0x7FF << 52))
 
 
 @intrinsic
@@ -158,7 +158,7 @@ raised: Any = _raised
 """Whether a flag is raised, in compiled code that runs while another thread may raise it."""
 
 
-def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Function]:
+def by_type(argument: str, functions: Mapping[type, Any]) -> Callable[[Function], Function]:
     """Return a decorator: compiled code then calls one of several functions by an argument's type.
 
     The argument is a named tuple. A motion kernel is so compiled once for each kind of drive or
@@ -167,8 +167,8 @@ def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Fun
     """
 
     def register(function: Function) -> Function:
-        place = list(inspect.signature(function).parameters).index(argument)
-        return Choice(function, place, ways)  # type: ignore[return-value]
+        position = list(inspect.signature(function).parameters).index(argument)
+        return Choice(function, position, functions)  # type: ignore[return-value]
 
     return register
 
@@ -188,11 +188,11 @@ class _LinkedPart(_Library):
 
     @property
     def has_dynamic_globals(self) -> bool:
-        names = (one.name for one in self._final_module.global_variables)
+        names = (variable.name for variable in self._final_module.global_variables)
         return any(name.startswith("numba.dynamic.globals") for name in names)
 
     def _get_module_for_linking(self) -> Any:
-        # Copies of one function may meet in a program, and unused ones are removed.
+        # As linkonce_odr, copies of one function in a program are merged, and unused ones removed.
         if self._shared_module is None:
             self._shared_module = self._final_module
             for function in self._final_module.functions:
@@ -203,22 +203,25 @@ class _LinkedPart(_Library):
 
 class _Entry(_Library):
     def finalize(self) -> None:
-        self._linking_libraries = list(_reached(self, {}))
+        # Link the compiled code of all functions called, directly or through others. Each refers to
+        # its environment, the Python objects that it uses, by a global variable; numba itself sets
+        # that of the outermost function only.
+        self._linking_libraries = list(_libraries_reached(self, {}))
         super().finalize()
         for variable in self._final_module.global_variables:
-            if variable.name.startswith("_ZN08NumbaEnv"):  # what a function needs of Python
+            if variable.name.startswith("_ZN08NumbaEnv"):
                 environment = lookup_environment(variable.name)  # type: ignore[no-untyped-call]
                 if environment is not None:
                     self._codegen.set_env(variable.name, environment)
 
 
-def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
+def _libraries_reached(library: Any, reached: dict[Any, None]) -> dict[Any, None]:
     for called in library._linking_libraries:
-        if called not in known:
-            known[called] = None
+        if called not in reached:
+            reached[called] = None
             if isinstance(called, _LinkedPart):
-                _reached(called, known)
-    return known
+                _libraries_reached(called, reached)
+    return reached
 
 
 class _Compiler(_NumbasCompiler):  # type: ignore[misc]
@@ -234,12 +237,12 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
         flags.no_cfunc_wrapper = True
         flags.no_cpython_wrapper = flags.no_compile = self._library is _LinkedPart
         if self._apart:
-            flags.noalias = True  # else each loop begins with a check of every pair of arrays
+            flags.noalias = True  # else each loop starts by checking every pair of arrays
         typing, target = self.targetdescr.typing_context, self.targetdescr.target_context
         library: Any = self._library(target.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
-        # Collecting takes a fifth of compile time. dask keeps for good what gc.isenabled() says
-        # when a thread imports it, so that gc.disable() would not do.
+        # Garbage collection takes a fifth of compile time. Not gc.disable(): dask keeps what
+        # gc.isenabled() returns at its import, and another thread may import it meanwhile.
         thresholds = gc.get_threshold()
         gc.set_threshold(0)
         try:
@@ -250,7 +253,7 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
         finally:
             gc.set_threshold(*thresholds)
         if self._library is _LinkedPart:
-            # A name by which callers find it, where numba has an address.
+            # A key by which callers find the library, in place of numba's address.
             result = result._replace(entry_point=object())
             target.insert_user_function(result.entry_point, result.fndesc, [library])
         return result

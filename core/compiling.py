@@ -46,8 +46,8 @@ class Stopwatch:
             self._listeners.remove(listener)
 
     def _tell(self, compiles: bool) -> None:
-        for told in tuple(self._listeners):
-            told(compiles)
+        for listener in tuple(self._listeners):
+            listener(compiles)
 
 
 stopwatch = Stopwatch()
@@ -60,11 +60,11 @@ ONCE = "compiling once, some seconds; it is kept"
 @contextmanager
 def announced(write: Callable[[str], object]) -> Iterator[None]:
     """Call `write` with a message the first time that the block compiles something."""
-    waiting = [ONCE]
+    messages_left = [ONCE]
 
-    def tell(compiles: bool) -> None:
-        if compiles and waiting:
-            write(waiting.pop())
+    def on_change(compiles: bool) -> None:
+        if compiles and messages_left:
+            write(messages_left.pop())
 
-    with stopwatch.telling(tell):
+    with stopwatch.telling(on_change):
         yield

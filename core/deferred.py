@@ -11,22 +11,22 @@ Record = TypeVar("Record")
 
 def lazily(
     package: str,
-    homes: Mapping[str, tuple[str, ...]],
+    exports: Mapping[str, tuple[str, ...]],
     modules: Mapping[str, str] = MappingProxyType({}),
 ) -> Callable[[str], Any]:
     """Return a package's `__getattr__` that imports attributes on first use (PEP 562).
 
-    `homes` has the names that the package exports from each of its modules; `modules` are exported
-    as they are, each with its path in the package.
+    `exports` has the names that the package exports from each of its modules; `modules` are
+    exported as they are, each with its path in the package.
     """
-    places = {name: module for module, names in homes.items() for name in names}
+    module_of = {name: module for module, names in exports.items() for name in names}
 
     def attribute(name: str) -> Any:
         if name in modules:
             return import_module(f"{package}.{modules[name]}")
-        if name not in places:
+        if name not in module_of:
             raise AttributeError(f"module '{package}' has no attribute '{name}'")
-        value = getattr(import_module(f"{package}.{places[name]}"), name)
+        value = getattr(import_module(f"{package}.{module_of[name]}"), name)
         setattr(sys.modules[package], name, value)
         return value
 

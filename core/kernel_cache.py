@@ -71,24 +71,24 @@ def package_of(file: Path) -> str:
 @functools.cache
 def sources(package: str) -> tuple[Path, ...]:
     """Return all source files that compiled code of a kernel package depends on, in fixed order."""
-    neutral = {CORE / name for name in NEUTRAL}
-    passed = neutral | {CORE / name for name in COMPILERS}
-    left = [] if package == LOOPS else sorted(packages()[package].glob("*.py"))
-    while left:
-        file = left.pop()
-        if file not in passed:
-            passed.add(file)
-            left += imported(file.read_text(encoding="utf-8"))
-    return tuple(sorted(passed - neutral))
+    without_code = {CORE / name for name in NEUTRAL}
+    visited = without_code | {CORE / name for name in COMPILERS}
+    to_visit = [] if package == LOOPS else sorted(packages()[package].glob("*.py"))
+    while to_visit:
+        file = to_visit.pop()
+        if file not in visited:
+            visited.add(file)
+            to_visit += imported(file.read_text(encoding="utf-8"))
+    return tuple(sorted(visited - without_code))
 
 
 def imported(text: str) -> Iterator[Path]:
     """Yield the paths of the modules of this project that a module's source imports."""
-    for module, names, whole in IMPORT.findall(text):
-        file = _file_of(module or whole)
+    for module, names, module_alone in IMPORT.findall(text):
+        file = _file_of(module or module_alone)
         is_module = file is not None and file.name != "__init__.py"  # its names are no files
-        below = [] if is_module else re.findall(r"\w+", names)
-        yield from filter(None, (file, *(_file_of(f"{module}.{name}") for name in below)))
+        names_imported = [] if is_module else re.findall(r"\w+", names)
+        yield from filter(None, (file, *(_file_of(f"{module}.{name}") for name in names_imported)))
 
 
 @functools.cache
@@ -113,8 +113,8 @@ def digest(package: str) -> str:
 @functools.cache
 def root() -> Path:
     """Return the folder of the kernel cache: `NUMBA_CACHE_DIR`, or in the user's cache."""
-    own = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
-    return Path(_settings.CACHE_DIR or own.user_cache_dir)
+    folders = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
+    return Path(_settings.CACHE_DIR or folders.user_cache_dir)
 
 
 @functools.cache
@@ -127,11 +127,12 @@ def folder(package: str) -> Path | None:
     path = root() / f"{package}-{digest(package)}"
     with contextlib.suppress(OSError):
         path.mkdir(parents=True, exist_ok=True)
-        os.utime(path)  # it is in use
-        if os.access(path, os.W_OK):  # another process may remove the same ones
-            others = set(path.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {path}
-            for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
-                shutil.rmtree(other, ignore_errors=True)
+        os.utime(path)  # the time of its last use
+        if os.access(path, os.W_OK):
+            # Another process may remove the same ones: errors are ignored.
+            other_folders = set(path.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {path}
+            for outdated in sorted(other_folders, key=os.path.getmtime, reverse=True)[KEPT:]:
+                shutil.rmtree(outdated, ignore_errors=True)
             return path
     return path if os.access(path, os.R_OK) else None
 
@@ -179,8 +180,8 @@ class _CacheFolder(caching._CacheLocator):
             if not path.is_relative_to(CORE) or "kernels" not in path.parent.parts:
                 return None
             package = package_of(path)
-        place = folder(package)
-        return None if place is None else cls(package, function, file, place)
+        cache_folder = folder(package)
+        return None if cache_folder is None else cls(package, function, file, cache_folder)
 
     def get_cache_path(self) -> str:
         return str(self._path)

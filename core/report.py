@@ -92,7 +92,7 @@ class Report:
 
     def table(self, prepared: Prepared) -> Table:
         """Return the report as a table over `curve` and `setting`, flags with their meanings."""
-        both = ("curve", "setting")
+        dims = ("curve", "setting")
         numbers = {
             "error": (self.error, "median error", "1"),
             "error_largest": (self.largest, "largest error", "1"),
@@ -103,7 +103,7 @@ class Report:
             {"curve": _flags("curve", self.curves), "setting": _flags("setting", self.settings)},
             {
                 **{
-                    name: TableVariable(both, values, {"long_name": label, "units": unit})
+                    name: TableVariable(dims, values, {"long_name": label, "units": unit})
                     for name, (values, label, unit) in numbers.items()
                 },
                 "cells": cells,
@@ -176,8 +176,8 @@ def check(prepared: Prepared) -> None:
             f"the error of a study of kind '{kind}' is not measured over its run time",
             "Measure a study of kind sweep or simulate; `verify` checks the results of others",
         )
-    is_point = "conveying_velocity" in scene.outputs(scene.default_variant)
-    if kind == "simulate" and not (is_point and WITNESS in scene.variants):
+    has_speed = "conveying_velocity" in scene.outputs(scene.default_variant)
+    if kind == "simulate" and not (has_speed and WITNESS in scene.variants):
         raise refused(
             "scene",
             f"no method of {scene.name} is a witness of its mean velocity",
@@ -193,23 +193,31 @@ def _closed_forms(prepared: Prepared, watch: Watch) -> Report:
     error, largest, seconds = (np.full(shape, np.nan) for _ in range(3))
     cells = np.zeros(shape[0], dtype=np.int32)
     witness = np.longdouble if EXTENDED else np.float64
-    for k, dtype in enumerate(TYPES.values()):
+    for type_number, dtype in enumerate(TYPES.values()):
         with np.errstate(over="ignore"):
-            held = {name: values.astype(dtype) for name, values in sample.items()}
-        fits = np.all([np.isfinite(v) & ((v != 0) | (sample[n] == 0)) for n, v in held.items()], 0)
-        exact = {} if dtype is witness else outputs_in(plan, held, witness)
-        for i, name in enumerate(plan.outputs):
+            rounded_sample = {name: values.astype(dtype) for name, values in sample.items()}
+        # Values that overflow or vanish in the type are left out.
+        is_representable = np.all(
+            [
+                np.isfinite(values) & ((values != 0) | (sample[name] == 0))
+                for name, values in rounded_sample.items()
+            ],
+            0,
+        )
+        exact_outputs = {} if dtype is witness else outputs_in(plan, rounded_sample, witness)
+        for output_number, name in enumerate(plan.outputs):
             if watch.stopped():
                 break
-            alone = plan.only(name)
-            seconds[i, k] = _seconds_of(alone, held, dtype)
-            got = outputs_in(alone, held, dtype).get(name)
-            if name in exact and got is not None:
-                off = _relative(got, exact[name])[fits]
-                off = off[np.isfinite(off)]
-                if off.size:
-                    error[i, k], largest[i, k] = np.median(off), off.max()
-                    cells[i] = max(cells[i], off.size)
+            output_plan = plan.only(name)
+            seconds[output_number, type_number] = _seconds_of(output_plan, rounded_sample, dtype)
+            computed = outputs_in(output_plan, rounded_sample, dtype).get(name)
+            if name in exact_outputs and computed is not None:
+                errors = _relative(computed, exact_outputs[name])[is_representable]
+                errors = errors[np.isfinite(errors)]
+                if errors.size:
+                    error[output_number, type_number] = np.median(errors)
+                    largest[output_number, type_number] = errors.max()
+                    cells[output_number] = max(cells[output_number], errors.size)
             watch.advance(1 / error.size)
     against = (
         "extended precision (numpy.longdouble), at the parameters as each type holds them"
@@ -224,16 +232,16 @@ def _closed_forms(prepared: Prepared, watch: Watch) -> Report:
     return Report(plan.outputs, tuple(TYPES), error, largest, seconds, cells, {"witness": words})
 
 
-def _seconds_of(plan: Plan, held: Mapping[str, NDArray[Any]], dtype: Any) -> float:
-    block = {name: np.resize(held[name], BLOCK_CELLS) for name in plan.parameters}
+def _seconds_of(plan: Plan, cells: Mapping[str, NDArray[Any]], dtype: Any) -> float:
+    block = {name: np.resize(cells[name], BLOCK_CELLS) for name in plan.parameters}
     return _median_seconds(lambda: outputs_in(plan, block, dtype)) / BLOCK_CELLS
 
 
-def _relative(got: NDArray[Any], exact: NDArray[Any]) -> Array:
+def _relative(computed: NDArray[Any], exact: NDArray[Any]) -> Array:
     with np.errstate(all="ignore"):
-        off = np.abs(got - exact) / np.abs(exact)
-    off = np.where(np.isfinite(exact) & ~np.isfinite(got), np.inf, off)
-    return np.asarray(np.where(np.isfinite(exact) & (exact != 0), off, np.nan), dtype=np.float64)
+        error = np.abs(computed - exact) / np.abs(exact)
+    error = np.where(np.isfinite(exact) & ~np.isfinite(computed), np.inf, error)
+    return np.asarray(np.where(np.isfinite(exact) & (exact != 0), error, np.nan), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -252,34 +260,36 @@ class _Witnessed:
     trusted: NDArray[np.bool_]
     tried: int
 
-    def group(self, where: NDArray[np.bool_]) -> tuple[dict[str, Array], Array]:
-        here = {name: values[where] for name, values in self.cells.items()}
-        return here, self.truth.velocity[where]
+    def group(self, is_in_group: NDArray[np.bool_]) -> tuple[dict[str, Array], Array]:
+        cells_of_group = {name: values[is_in_group] for name, values in self.cells.items()}
+        return cells_of_group, self.truth.velocity[is_in_group]
 
 
 def _motions(prepared: Prepared, watch: Watch) -> Report:
+    # Error and time of the method events over its tolerance, of sliding and of hopping cells.
     study: Any = prepared.study
-    limits = {name: v for name, v in study.settings().items() if name == "max_periods"}
-    known = _witnessed(prepared, limits, watch)
-    hops = known.truth.hops
-    groups = {"sliding": known.trusted & ~hops, "hopping": known.trusted & hops}
-    groups = {name: where for name, where in groups.items() if where.any()}
+    limits = {name: value for name, value in study.settings().items() if name == "max_periods"}
+    witnessed = _witnessed(prepared, limits, watch)
+    hops = witnessed.truth.hops
+    groups = {"sliding": witnessed.trusted & ~hops, "hopping": witnessed.trusted & hops}
+    groups = {name: is_in_group for name, is_in_group in groups.items() if is_in_group.any()}
     shape = (len(groups), len(TOLERANCES))
     error, largest, seconds = (np.full(shape, np.nan) for _ in range(3))
-    share = watch.part(0.05 / max(1, 3 * error.size))
-    for i, where in enumerate(groups.values()):
-        cells, velocity = known.group(where)
-        for k, tolerance in enumerate(TOLERANCES):
+    part_watch = watch.part(0.05 / max(1, 3 * error.size))
+    for group_number, is_in_group in enumerate(groups.values()):
+        cells, velocity = witnessed.group(is_in_group)
+        for number, tolerance in enumerate(TOLERANCES):
             if watch.stopped():
                 break
             settings = {**limits, "tolerance": tolerance}
-            runs = [_run(prepared, "events", cells, settings, share) for _ in range(3)]
-            off = np.abs(runs[0].velocity - velocity)
-            error[i, k], largest[i, k] = np.median(off), off.max()
-            seconds[i, k] = min(run.seconds for run in runs)
-    sizes = np.array([where.sum() for where in groups.values()], dtype=np.int32)
+            runs = [_run(prepared, "events", cells, settings, part_watch) for _ in range(3)]
+            errors = np.abs(runs[0].velocity - velocity)
+            error[group_number, number] = np.median(errors)
+            largest[group_number, number] = errors.max()
+            seconds[group_number, number] = min(run.seconds for run in runs)
+    sizes = np.array([is_in_group.sum() for is_in_group in groups.values()], dtype=np.int32)
     names = tuple(f"{tolerance:.0e}" for tolerance in TOLERANCES)
-    words = {"witness": _words_of(known)}
+    words = {"witness": _words_of(witnessed)}
     return Report(tuple(groups), names, error, largest, seconds, sizes, words)
 
 
@@ -293,10 +303,10 @@ def _words_of(known: _Witnessed) -> str:
             f"{words}. No cell of {known.tried} random ones moves, repeats its motion and was "
             "followed by the witness in the time given: nothing is measured."
         )
-    own = float(known.truth.stated[known.trusted].max())
+    stated = float(known.truth.stated[known.trusted].max())
     return (
         f"{words}, takes {_number(1e3 * known.truth.seconds)} ms a cell and states an error of at "
-        f"most {own:.1e}. Random cells whose motion repeats; time: one thread, the fastest "
+        f"most {stated:.1e}. Random cells whose motion repeats; time: one thread, the fastest "
         "of three runs."
     )
 
@@ -307,21 +317,23 @@ def _witnessed(prepared: Prepared, limits: Mapping[str, float], watch: Watch) ->
     names = [name for name in (*grid.axes, *grid.fixed) if name in used]
     count = min(CANDIDATES * MOTION_CELLS, grid.cells)
     sample = grid.at(random_positions(grid, count, SEED), count, names)
-    one = {name: values[:1] for name, values in sample.items()}
-    _run(prepared, "events", one, limits, watch.part(0.02))  # compiles
-    first = _run(prepared, "events", sample, limits, watch.part(0.08))
-    chosen = np.flatnonzero(first.periodic & (np.abs(first.velocity) > ROUNDING))
+    first_cell = {name: values[:1] for name, values in sample.items()}
+    _run(prepared, "events", first_cell, limits, watch.part(0.02))  # compiles
+    results = _run(prepared, "events", sample, limits, watch.part(0.08))
+    chosen = np.flatnonzero(results.periodic & (np.abs(results.velocity) > ROUNDING))
     if not chosen.size:
-        return _Witnessed(sample, first, np.zeros(count, dtype=np.bool_), count)
-    chosen = _both_kinds(chosen, first.hops, MOTION_CELLS)
-    picked = {name: values[chosen] for name, values in sample.items()}
-    truth = _run(prepared, WITNESS, picked, limits, watch.part(0.8))
-    ours = _run(prepared, "events", picked, {**limits, "tolerance": 1e-12}, watch.part(0.05))
+        return _Witnessed(sample, results, np.zeros(count, dtype=np.bool_), count)
+    chosen = _both_kinds(chosen, results.hops, MOTION_CELLS)
+    sampled = {name: values[chosen] for name, values in sample.items()}
+    reference = _run(prepared, WITNESS, sampled, limits, watch.part(0.8))
+    own_results = _run(
+        prepared, "events", sampled, {**limits, "tolerance": 1e-12}, watch.part(0.05)
+    )
     with np.errstate(invalid="ignore"):
-        trusted = truth.periodic & (truth.stated < WITNESS_ERROR)
-        # Of two exact methods that differ by more, one fell into another motion.
-        trusted &= np.abs(ours.velocity - truth.velocity) < OTHER_MOTION
-    return _Witnessed(picked, truth, trusted, count)
+        trusted = reference.periodic & (reference.stated < WITNESS_ERROR)
+        # Where two exact methods differ by more, one of them found another motion.
+        trusted &= np.abs(own_results.velocity - reference.velocity) < OTHER_MOTION
+    return _Witnessed(sampled, reference, trusted, count)
 
 
 def _run(
@@ -332,32 +344,35 @@ def _run(
     watch: Watch,
 ) -> _Means:
     plan = plan_scene(prepared.plan.scene, method, OUTPUTS, tuple(cells))
-    kept = {name: value for name, value in settings.items() if name in plan.defaults}
-    plan = replace(plan, defaults={**plan.defaults, **kept})
+    used_settings = {name: value for name, value in settings.items() if name in plan.defaults}
+    plan = replace(plan, defaults={**plan.defaults, **used_settings})
     inputs = {name: cells[name] for name in plan.parameters}
     started = time.perf_counter()
-    known = run_equations(plan, inputs, replace(watch, threads=1))
+    results = run_equations(plan, inputs, replace(watch, threads=1))
     seconds = time.perf_counter() - started
     count = next(iter(cells.values())).size
-    drive = known["drive_number"] * known["velocity_scale"]  # the speed of the track, A w
+    drive = results["drive_number"] * results["velocity_scale"]  # the speed of the track, A w
     with np.errstate(divide="ignore", invalid="ignore"):  # a drive at rest has no share
-        shares = [known[n] / drive for n in ("conveying_velocity", "conveying_velocity_error")]
-    velocity, stated = (np.broadcast_to(share, count) for share in shares)
-    status = np.broadcast_to(known["motion_status"], count)
-    hops = np.broadcast_to(known["flight_fraction"] > 0, count)
+        relative_speeds = [
+            results[name] / drive for name in ("conveying_velocity", "conveying_velocity_error")
+        ]
+    velocity, stated = (np.broadcast_to(values, count) for values in relative_speeds)
+    status = np.broadcast_to(results["motion_status"], count)
+    hops = np.broadcast_to(results["flight_fraction"] > 0, count)
     return _Means(
         velocity, stated, status == MOTION_STATUSES["periodic"].value, hops, seconds / count
     )
 
 
-def _both_kinds(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> Any:
-    air, floor = chosen[hops[chosen]], chosen[~hops[chosen]]
+def _both_kinds(candidates: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> Any:
+    hopping, sliding = candidates[hops[candidates]], candidates[~hops[candidates]]
     half = count // 2
-    more = max(0, half - floor.size), max(0, half - air.size)
-    return np.sort(np.concatenate([air[: half + more[0]], floor[: half + more[1]]]))
+    extra = max(0, half - sliding.size), max(0, half - hopping.size)
+    return np.sort(np.concatenate([hopping[: half + extra[0]], sliding[: half + extra[1]]]))
 
 
 def _median_seconds(run: Callable[[], object]) -> float:
+    # Each repeat makes so many calls that it takes some milliseconds.
     started = time.perf_counter()
     run()
     calls = max(1, int(LEAST_SECONDS / max(time.perf_counter() - started, 1e-7)))

@@ -25,27 +25,33 @@ Schema = dict[str, Any]
 def study_schema() -> Schema:
     """Return the JSON Schema of studies of all kinds, by which editors check and complete them."""
     models = {kind.model: kind for kind in KINDS.values()}
-    references, found = models_json_schema([(model, "validation") for model in models])
-    named = found["$defs"]
-    whole = []
+    references, all_schemas = models_json_schema([(model, "validation") for model in models])
+    definitions = all_schemas["$defs"]
+    schemas = []
     for model, kind in models.items():
-        schema = named.pop(references[model, "validation"]["$ref"].rpartition("/")[2])
-        whole.append(_with_names(schema, kind))
-    return by_reference(whole, named)
+        schema = definitions.pop(references[model, "validation"]["$ref"].rpartition("/")[2])
+        schemas.append(_with_names(schema, kind))
+    return by_reference(schemas, definitions)
 
 
 def _with_names(schema: Schema, kind: Kind) -> Schema:
-    first, properties = kind.scenes[0], {**schema["properties"]}
-    giving = [scene for scenes in kind.scenes for scene in scenes.values()]
-    outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
-    variants = sorted({variant for scene in first.values() for variant in scene.variants})
-    choice = next(iter(first.values())).choice
-    properties["scene"] |= {"enum": list(first)}
+    # The schema of a kind with the names of its scenes, outputs and variants.
+    first_scenes, properties = kind.scenes[0], {**schema["properties"]}
+    scenes_with_outputs = [scene for scenes in kind.scenes for scene in scenes.values()]
+    outputs = {
+        name
+        for scene in scenes_with_outputs
+        for variant in scene.variants
+        for name in scene.outputs(variant)
+    }
+    variants = sorted({variant for scene in first_scenes.values() for variant in scene.variants})
+    choice = next(iter(first_scenes.values())).choice
+    properties["scene"] |= {"enum": list(first_scenes)}
     if "outputs" in properties:
         properties["outputs"]["items"] = {"enum": [name for name in QUANTITIES if name in outputs]}
     for key, values in {choice: variants, **kind.choices}.items():
-        said = properties[key]["description"]
-        properties[key] = {"enum": [*values, None], "default": None, "description": said}
+        description = properties[key]["description"]
+        properties[key] = {"enum": [*values, None], "default": None, "description": description}
     return {**schema, "properties": properties}
 
 
@@ -60,25 +66,25 @@ def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema
     names: dict[str, str] = {}
     shared: dict[str, Schema] = {}
 
-    def counted(schema: Any) -> Any:
+    def count_parts(schema: Any) -> Any:
         if isinstance(schema, dict):
             counts[_text(schema)] += 1
-        return _map_children(schema, counted)
+        return _map_children(schema, count_parts)
 
-    def short(schema: Any) -> Any:
+    def shortened(schema: Any) -> Any:
         if not isinstance(schema, dict) or len(text := _text(schema)) <= SHORT or counts[text] < 2:
-            return _map_children(schema, short)
+            return _map_children(schema, shortened)
         if text not in names:
             names[text] = f"shared-{len(names) + 1}"
-            shared[names[text]] = _map_children(_plain(schema), short)
+            shared[names[text]] = _map_children(_plain(schema), shortened)
         notes = {key: schema[key] for key in NOTES if key in schema}
         return {"$ref": f"#/$defs/{names[text]}", **notes}
 
     for schema in (*kinds, *named.values()):
-        counted(schema)
-    whole = [short(kind) for kind in kinds]
-    definitions = {name: short(schema) for name, schema in named.items()}
-    return {"$schema": DIALECT, "oneOf": whole, "$defs": definitions | shared}
+        count_parts(schema)
+    alternatives = [shortened(kind) for kind in kinds]
+    definitions = {name: shortened(schema) for name, schema in named.items()}
+    return {"$schema": DIALECT, "oneOf": alternatives, "$defs": definitions | shared}
 
 
 def _plain(schema: Mapping[str, Any]) -> Schema:
@@ -90,13 +96,14 @@ def _text(schema: Mapping[str, Any]) -> str:
 
 
 def _map_children(schema: Any, change: Any) -> Any:
+    # Applies a function to each schema that stands directly within another one.
     if not isinstance(schema, dict):
         return schema
     changed: Schema = {**schema}
     for key, value in schema.items():
         if key in BY_NAME:
-            changed[key] = {name: change(one) for name, one in value.items()}
+            changed[key] = {name: change(child) for name, child in value.items()}
         elif key in BELOW:
-            many = isinstance(value, list)
-            changed[key] = [change(one) for one in value] if many else change(value)
+            is_list = isinstance(value, list)
+            changed[key] = [change(child) for child in value] if is_list else change(value)
     return changed

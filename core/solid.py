@@ -56,8 +56,8 @@ class Hull:
     """
 
     def __init__(self, points: Floats) -> None:
-        # Qhull merges facets in one plane, which takes the square of the corners of a fine round
-        # end.
+        # Q0: Qhull does not merge facets of one plane, whose time would grow as the square of the
+        # corners of a fine round end.
         try:
             hull = ConvexHull(points, qhull_options="Q0")
         except QhullError:
@@ -70,14 +70,14 @@ class Hull:
         self.beside: Indices = hull.neighbors  # the neighbour k lies opposite to the corner k
         normals, heights = hull.equations[:, :3], -hull.equations[:, 3]
         self.faces = self._joined(normals, heights)
-        # One facet speaks for each face: its largest, whose normal is the surest.
+        # A face has normal and height of its largest facet, which are the most accurate.
         a, b, c = np.moveaxis(self.points[self.facets], 1, 0)
         areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
         largest = _first_of_each(self.faces, -areas)
         self.normals, self.heights = normals[largest], heights[largest]
-        whole = np.bincount(self.faces, areas)
-        sums = (np.bincount(self.faces, areas * one) for one in (a + b + c).T / 3)
-        self.middles: Floats = np.stack([*sums], axis=1) / whole[:, None]
+        face_areas = np.bincount(self.faces, areas)
+        moments = (np.bincount(self.faces, areas * coordinate) for coordinate in (a + b + c).T / 3)
+        self.middles: Floats = np.stack([*moments], axis=1) / face_areas[:, None]
 
     def _joined(self, normals: Floats, heights: Floats) -> Indices:
         facets, beside = np.repeat(np.arange(len(normals)), 3), self.beside.ravel()
@@ -87,31 +87,34 @@ class Hull:
 
     def solid_angles(self) -> Floats:
         """Return the share of all directions in which the origin sees each face [1]."""
-        # Van Oosterom and Strackee (1983).
+        # tan(W/2) = |a.(b x c)|/(abc + (a.b)c + (b.c)a + (c.a)b) of a triangle with corners a, b,
+        # c (Van Oosterom and Strackee 1983).
         corners = self.points[self.facets]
         a, b, c = np.moveaxis(corners, 1, 0)
         lengths = np.linalg.norm(corners, axis=2).T
         dot = np.einsum
-        volume = np.abs(dot("ij,ij->i", a, np.cross(b, c)))
-        below = lengths.prod(0) + dot("ij,ij->i", a, b) * lengths[2]
-        below += dot("ij,ij->i", b, c) * lengths[0] + dot("ij,ij->i", c, a) * lengths[1]
-        angles = np.bincount(self.faces, 2 * np.arctan2(volume, below), len(self.heights))
+        numerator = np.abs(dot("ij,ij->i", a, np.cross(b, c)))
+        denominator = lengths.prod(0) + dot("ij,ij->i", a, b) * lengths[2]
+        denominator += dot("ij,ij->i", b, c) * lengths[0] + dot("ij,ij->i", c, a) * lengths[1]
+        angles = np.bincount(self.faces, 2 * np.arctan2(numerator, denominator), len(self.heights))
         return angles / (4 * np.pi)
 
     @cached_property
     def rims(self) -> "Rims":
         """The edges of all faces."""
-        own, other = np.repeat(self.faces, 3), self.faces[self.beside.ravel()]
-        rim = own != other
-        own, other = own[rim], other[rim]
-        starts, ends = (self.points[self.facets[:, k].ravel()[rim]] for k in ([1, 2, 0], [2, 0, 1]))
-        middle = self.middles[own] - starts
-        outward = np.cross(ends - starts, self.normals[own])
+        face, face_beyond = np.repeat(self.faces, 3), self.faces[self.beside.ravel()]
+        is_edge = face != face_beyond
+        face, face_beyond = face[is_edge], face_beyond[is_edge]
+        starts, ends = (
+            self.points[self.facets[:, k].ravel()[is_edge]] for k in ([1, 2, 0], [2, 0, 1])
+        )
+        to_middle = self.middles[face] - starts
+        outward = np.cross(ends - starts, self.normals[face])
         outward /= np.linalg.norm(outward, axis=1)[:, None]
-        outward *= -np.sign(np.einsum("ij,ij->i", outward, middle))[:, None]
-        foot = self.normals[own] * self.heights[own, None] - starts
-        beyond = np.einsum("ij,ij->i", outward, foot)
-        return Rims(own, other, beyond, -np.einsum("ij,ij->i", outward, middle))
+        outward *= -np.sign(np.einsum("ij,ij->i", outward, to_middle))[:, None]
+        origin_foot = self.normals[face] * self.heights[face, None] - starts
+        beyond = np.einsum("ij,ij->i", outward, origin_foot)
+        return Rims(face, face_beyond, beyond, -np.einsum("ij,ij->i", outward, to_middle))
 
     @cached_property
     def edge_distances(self) -> Floats:
@@ -126,22 +129,22 @@ class Hull:
         the foot crosses, onto a face that is nearer to the centre.
         """
         rims = self.rims
-        over = rims.other[_first_of_each(rims.own, -rims.beyond / rims.inside)]
+        next_face = rims.other[_first_of_each(rims.own, -rims.beyond / rims.inside)]
         ends = np.arange(len(self.heights))
         for face in np.argsort(self.heights):
             if self.edge_distances[face] < -SAME * self.size:
-                ends[face] = ends[over[face]]
+                ends[face] = ends[next_face[face]]
         return ends
 
     def joined_ends(self) -> Indices:
         """Return a number for each face that faces share on whose rounded side the solid rests."""
         rims, ends = self.rims, self.ends
-        # From either side: the saddle between two aspects is near neither.
-        lower = np.minimum(self.heights[ends[rims.own]], self.heights[ends[rims.other]])
-        rise = np.hypot(self.heights[rims.own], rims.beyond) - lower
-        turned = np.einsum("ij,ij->i", self.normals[rims.own], self.normals[rims.other])
-        low = (rise < RISE * self.size) & (turned > ROUNDED)
-        return _linked(ends[rims.own[low]], ends[rims.other[low]], len(self.heights))
+        # The rise from the lower of both ends, as a saddle between two aspects is near the other.
+        lower_end = np.minimum(self.heights[ends[rims.own]], self.heights[ends[rims.other]])
+        rise = np.hypot(self.heights[rims.own], rims.beyond) - lower_end
+        cosine = np.einsum("ij,ij->i", self.normals[rims.own], self.normals[rims.other])
+        is_low = (rise < RISE * self.size) & (cosine > ROUNDED)
+        return _linked(ends[rims.own[is_low]], ends[rims.other[is_low]], len(self.heights))
 
     def is_same_turned(self, down: Floats, other: Floats) -> bool:
         """True if a rotation that turns the direction `down` to `other` maps the hull to itself.
@@ -149,20 +152,22 @@ class Hull:
         A farthest corner from the axis has to come to another one as far and as high; then no
         corner may lie outside.
         """
-        before, after = (self.points @ _frame(one).T for one in (down, other))
+        before, after = (self.points @ _frame(direction).T for direction in (down, other))
         reach = np.hypot(*before[:, :2].T)
         tolerance = ALIKE * self.size
-        # The highest of the farthest: of edges between them rounding makes corners, too.
-        far = np.where(reach > reach.max() - tolerance, before[:, 2], -np.inf).argmax()
-        alike = np.abs(np.hypot(*after[:, :2].T) - reach[far]) < tolerance
-        alike &= np.abs(after[:, 2] - before[far, 2]) < tolerance
-        some = before[:: max(1, len(before) // COMPARED)]
-        tries = 1 + WORK // (len(some) * len(self.heights))
-        for x, y, _ in after[alike][:tries]:
-            turn = np.arctan2(y, x) - np.arctan2(before[far, 1], before[far, 0])
+        # The highest of the farthest corners, as rounding may leave several on one edge.
+        farthest = np.where(reach > reach.max() - tolerance, before[:, 2], -np.inf).argmax()
+        candidates = np.abs(np.hypot(*after[:, :2].T) - reach[farthest]) < tolerance
+        candidates &= np.abs(after[:, 2] - before[farthest, 2]) < tolerance
+        sample = before[:: max(1, len(before) // COMPARED)]
+        max_tries = 1 + WORK // (len(sample) * len(self.heights))
+        for x, y, _ in after[candidates][:max_tries]:
+            turn = np.arctan2(y, x) - np.arctan2(before[farthest, 1], before[farthest, 0])
             cos, sin = np.cos(turn), np.sin(turn)
-            turned = some @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) @ _frame(other)
-            if (turned @ self.normals.T - self.heights).max() < tolerance:
+            turned_sample = (
+                sample @ np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]]) @ _frame(other)
+            )
+            if (turned_sample @ self.normals.T - self.heights).max() < tolerance:
                 return True
         return False
 
@@ -218,26 +223,31 @@ def aspects_of(solid: Trimesh) -> tuple[PartAspect, ...]:
     angles = np.bincount(sides[hull.ends], hull.solid_angles(), len(sides))
     shares = angles.astype(np.float64)[sides]
     faces = np.unique(hull.ends)
-    # Heights that differ by rounding are equal, and the larger share comes first.
+    # By height, where heights within rounding are equal, then the larger share first.
     faces = faces[np.lexsort((-shares[faces], (hull.heights[faces] / hull.size / ALIKE).round()))]
     faces = faces[np.sort(np.unique(sides[faces], return_index=True)[1])]
-    groups = _alike(hull, faces, shares)
-    together = np.array([shares[one].sum() for one in groups])
-    thrown = together * [(1 - hull.heights[one[0]] / hull.size) ** 2 for one in groups]
+    groups = _groups_of_turned_faces(hull, faces, shares)
+    let_down_shares = np.array([shares[group].sum() for group in groups])
+    thrown_weights = let_down_shares * [
+        (1 - hull.heights[group[0]] / hull.size) ** 2 for group in groups
+    ]
     return tuple(
-        _aspect(hull, gyration, one[0], float(share), float(other))
-        for one, share, other in zip(groups, together, thrown / thrown.sum(), strict=True)
+        _aspect(hull, gyration, group[0], float(let_down_share), float(thrown_share))
+        for group, let_down_share, thrown_share in zip(
+            groups, let_down_shares, thrown_weights / thrown_weights.sum(), strict=True
+        )
     )
 
 
-def _alike(hull: Hull, faces: Indices, shares: Floats) -> list[list[int]]:
+def _groups_of_turned_faces(hull: Hull, faces: Indices, shares: Floats) -> list[list[int]]:
+    # Stable faces that a rotation of the hull turns into each other are one group.
     groups: list[list[int]] = []
     for face in faces[: MAX_STABLE + 1]:
         for group in groups:
-            first = group[0]
-            equal = abs(hull.heights[face] - hull.heights[first]) < ALIKE * hull.size
-            equal &= abs(shares[face] - shares[first]) < ALIKE
-            if equal and hull.is_same_turned(hull.normals[face], hull.normals[first]):
+            first_face = group[0]
+            is_equal = abs(hull.heights[face] - hull.heights[first_face]) < ALIKE * hull.size
+            is_equal &= abs(shares[face] - shares[first_face]) < ALIKE
+            if is_equal and hull.is_same_turned(hull.normals[face], hull.normals[first_face]):
                 group.append(int(face))
                 break
         else:
@@ -250,11 +260,11 @@ def _alike(hull: Hull, faces: Indices, shares: Floats) -> list[list[int]]:
 def _aspect(hull: Hull, gyration: Floats, face: int, let_down: float, thrown: float) -> PartAspect:
     down, height = hull.normals[face], hull.heights[face]
     axes = _frame(down)
-    flat = hull.points @ axes[:2].T
-    base = flat[np.unique(hull.facets[hull.faces == face])]
-    length, width, along = _least_rectangle(flat, base, hull.size)
+    in_plane = hull.points @ axes[:2].T
+    base = in_plane[np.unique(hull.facets[hull.faces == face])]
+    length, width, along = _least_rectangle(in_plane, base, hull.size)
     across = np.array([-along[1], along[0]])
-    about = across @ axes[:2]
+    rolling_axis = across @ axes[:2]
     return PartAspect(
         let_down_share=let_down,
         thrown_share=thrown,
@@ -265,7 +275,7 @@ def _aspect(hull: Hull, gyration: Floats, face: int, let_down: float, thrown: fl
         base_along=_reach(base, along),
         base_across=_reach(base, across),
         base_least=max(0.0, float(hull.edge_distances[face])),
-        gyration=float(np.sqrt(about @ gyration @ about)),
+        gyration=float(np.sqrt(rolling_axis @ gyration @ rolling_axis)),
         down=(float(down[0]), float(down[1]), float(down[2])),
         along=tuple(map(float, along @ axes[:2])),  # type: ignore[arg-type] # three of them
     )
@@ -273,35 +283,40 @@ def _aspect(hull: Hull, gyration: Floats, face: int, let_down: float, thrown: fl
 
 def _reach(base: Floats, direction: Floats) -> float:
     """The shorter distance from the foot of the centre to both ends of the base."""
-    there = base @ direction
-    return float(min(there.max(), -there.min()))
+    positions = base @ direction
+    return float(min(positions.max(), -positions.min()))
 
 
-def _least_rectangle(flat: Floats, base: Floats, size: float) -> tuple[float, float, Floats]:
+def _least_rectangle(points: Floats, base: Floats, size: float) -> tuple[float, float, Floats]:
     """The least rectangle about points in a plane: length, width, direction of its length.
 
     It has a side on their hull. Of equal ones it is that of the shorter base, which topples first.
     """
-    rim = flat[ConvexHull(flat).vertices]
-    sides = np.roll(rim, -1, axis=0) - rim
+    corners = points[ConvexHull(points).vertices]
+    sides = np.roll(corners, -1, axis=0) - corners
     sides /= np.hypot(*sides.T)[:, None]
     normals = np.stack([-sides[:, 1], sides[:, 0]], axis=1)
-    lengths, widths = (_farthest(rim, one) + _farthest(rim, -one) for one in (sides, normals))
+    lengths, widths = (
+        _farthest(corners, directions) + _farthest(corners, -directions)
+        for directions in (sides, normals)
+    )
     along = np.where((lengths >= widths)[:, None], sides, normals)
-    middle = base - base.mean(axis=0)
-    ring = base[np.argsort(np.arctan2(middle[:, 1], middle[:, 0]))]
-    reach = np.minimum(_farthest(ring, along), _farthest(ring, -along))
+    from_middle = base - base.mean(axis=0)
+    ring = base[np.argsort(np.arctan2(from_middle[:, 1], from_middle[:, 0]))]
+    half_base = np.minimum(_farthest(ring, along), _farthest(ring, -along))
     areas = lengths * widths
-    reach = np.where(areas < areas.min() + EQUAL * size**2, reach, np.inf)
-    best = np.flatnonzero(reach < reach.min() + EQUAL * size)[0]
+    half_base = np.where(areas < areas.min() + EQUAL * size**2, half_base, np.inf)
+    best = np.flatnonzero(half_base < half_base.min() + EQUAL * size)[0]
     width, length = sorted((float(lengths[best]), float(widths[best])))
     return length, width, along[best]
 
 
-def _farthest(rim: Floats, directions: Floats) -> Floats:
-    sides = np.roll(rim, -1, axis=0) - rim
-    turned = np.unwrap(np.arctan2(sides[:, 1], sides[:, 0]))
+def _farthest(corners: Floats, directions: Floats) -> Floats:
+    sides = np.roll(corners, -1, axis=0) - corners
+    side_angles = np.unwrap(np.arctan2(sides[:, 1], sides[:, 0]))
     # A side at a right angle to the direction ends in the farthest corner.
-    quarter = np.arctan2(directions[:, 0], -directions[:, 1])
-    first = np.searchsorted(turned, turned[0] + (quarter - turned[0]) % (2 * np.pi))
-    return np.asarray(np.einsum("ij,ij->i", rim[first % len(rim)], directions))
+    right_angle = np.arctan2(directions[:, 0], -directions[:, 1])
+    side_number = np.searchsorted(
+        side_angles, side_angles[0] + (right_angle - side_angles[0]) % (2 * np.pi)
+    )
+    return np.asarray(np.einsum("ij,ij->i", corners[side_number % len(corners)], directions))

@@ -246,8 +246,11 @@ What comes first is meant where several are known.
 
 def by_synonym(name: str, known: Iterable[str]) -> str | None:
     """Return the known name for which a typed word is a synonym; None if there is none."""
-    choice = frozenset(known)
-    return next((one for one in OTHER_NAMES.get(_plain(name), ()) if one in choice), None)
+    known_names = frozenset(known)
+    return next(
+        (candidate for candidate in OTHER_NAMES.get(_plain(name), ()) if candidate in known_names),
+        None,
+    )
 
 
 def _plain(name: str) -> str:
@@ -265,27 +268,31 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     Synonyms come first, then names that begin with the typed one, then similar spellings. Another
     quantity, such as `amplitude` for `rms_amplitude`, is not similar.
     """
-    choice, name = sorted(known), name[:LONGEST]
-    said = by_synonym(name, choice)
-    if said is not None:
-        return said
-    choice = [word for word, letter in WORDS.items() if letter in choice] + choice
-    longer = [known for known in choice if len(name) >= PREFIX and known.startswith(name)]
-    near = longer or difflib.get_close_matches(name, choice, n=3, cutoff=0.6)
+    candidates, name = sorted(known), name[:LONGEST]
+    synonym = by_synonym(name, candidates)
+    if synonym is not None:
+        return synonym
+    candidates = [word for word, letter in WORDS.items() if letter in candidates] + candidates
+    completions = [known for known in candidates if len(name) >= PREFIX and known.startswith(name)]
+    similar = completions or difflib.get_close_matches(name, candidates, n=3, cutoff=0.6)
     return next(
         (
-            letter_of(one)
-            for one in near
-            if letter_of(one) not in QUANTITIES or _may_mean(_plain(name), one)
+            letter_of(each)
+            for each in similar
+            if letter_of(each) not in QUANTITIES or _may_mean(_plain(name), each)
         ),
         None,
     )
 
 
 def _may_mean(typed: str, name: str) -> bool:
+    # True for the start of a name, nearly its spelling, or its words, each perhaps misspelt; not
+    # with a short word added, which may be a unit.
     name = _plain(name)
-    added = {*typed.split("_")} - {*name.split("_")}
-    if not name.startswith(typed) and any(0 < len(one) < SHORT and one.isalpha() for one in added):
+    added_words = {*typed.split("_")} - {*name.split("_")}
+    if not name.startswith(typed) and any(
+        0 < len(word) < SHORT and word.isalpha() for word in added_words
+    ):
         return False
     if (
         name.startswith(typed)
@@ -293,15 +300,16 @@ def _may_mean(typed: str, name: str) -> bool:
         >= _JOINED
     ):
         return True
-    words, others = typed.split("_"), [word for word in name.split("_") if not word.isdecimal()]
-    if len(words) == len(others) == 1:
+    typed_words = typed.split("_")
+    name_words = [word for word in name.split("_") if not word.isdecimal()]
+    if len(typed_words) == len(name_words) == 1:
         return True
 
     def has_all(among: list[str], wanted: list[str]) -> bool:
-        return all(difflib.get_close_matches(one, among, n=1, cutoff=_ALIKE) for one in wanted)
+        return all(difflib.get_close_matches(word, among, n=1, cutoff=_ALIKE) for word in wanted)
 
-    words = [word for word in words if not word.isdecimal()]
-    return has_all(words, others) and has_all(others, words)
+    typed_words = [word for word in typed_words if not word.isdecimal()]
+    return has_all(typed_words, name_words) and has_all(name_words, typed_words)
 
 
 def relation(name: str, known: Iterable[str]) -> tuple[str, str] | None:
@@ -310,13 +318,13 @@ def relation(name: str, known: Iterable[str]) -> tuple[str, str] | None:
     Of `angular_frequency` it is `frequency`, and the factor of 2 pi; of `amplitude_mm` it is
     `amplitude`, and where to write the unit.
     """
-    choice, typed = frozenset(known), _plain(name[:LONGEST])
+    known_names, typed = frozenset(known), _plain(name[:LONGEST])
     for target, names, sentence in _RELATIONS:
-        if target in choice and typed in names.split():
+        if target in known_names and typed in names.split():
             return target, sentence
-    stem, _, word = typed.rpartition("_")
-    target = stem if stem in choice else by_synonym(stem, choice) or ""
-    unit = _UNITS.get(QUANTITIES[target].unit, {}).get(word) if target in QUANTITIES else None
+    stem, _, ending = typed.rpartition("_")
+    target = stem if stem in known_names else by_synonym(stem, known_names) or ""
+    unit = _UNITS.get(QUANTITIES[target].unit, {}).get(ending) if target in QUANTITIES else None
     if unit is not None:
         return target, f'Write the unit with the value, as in {target} = "1 {unit}"'
     return None
@@ -324,30 +332,32 @@ def relation(name: str, known: Iterable[str]) -> tuple[str, str] | None:
 
 def intended(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that a user probably intended or has a quantity for; None without."""
-    choice = [*known]
-    related = relation(name, choice)
-    return related[0] if related is not None else nearest(name, choice)
+    known_names = [*known]
+    related = relation(name, known_names)
+    return related[0] if related is not None else nearest(name, known_names)
 
 
 FEWEST_OF_A_FAMILY = 3
 SEARCHED = 8  # names of one request that are worth a search for what was meant
 
 
-def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
+def suggestion(name: str, known: Iterable[str], shown_names: Iterable[str] | None = None) -> str:
     """Return a sentence that helps with an unknown name.
 
     It says how a known quantity follows, asks ``Did you mean ...?``, or lists the known names.
     """
-    choice = sorted(known)
-    if name in _GONE and name not in choice:
+    known_names = sorted(known)
+    if name in _GONE and name not in known_names:
         return _GONE[name]
-    related = relation(name, choice)
+    related = relation(name, known_names)
     if related is not None:
         return related[1]
-    near = nearest(name, choice)
-    if near:
-        return f"Did you mean '{near}'{f' ({WORD_OF[near]})' if near in WORD_OF else ''}?"
-    return "Known: " + ", ".join(_in_families(choice if listed is None else sorted(listed)))
+    similar = nearest(name, known_names)
+    if similar:
+        return f"Did you mean '{similar}'{f' ({WORD_OF[similar]})' if similar in WORD_OF else ''}?"
+    return "Known: " + ", ".join(
+        _in_families(known_names if shown_names is None else sorted(shown_names))
+    )
 
 
 class Suggestions:
@@ -367,6 +377,7 @@ class Suggestions:
 
 
 def _in_families(names: Iterable[str]) -> list[str]:
+    # Names that differ by a number alone are one text, such as `gap_1 to _9`.
     families: dict[str, list[str]] = {}
     for name in names:
         stem, _, number = name.rpartition("_")

@@ -80,19 +80,19 @@ def replace(source: Path, target: Path) -> None:
     Raises `PermissionError` if another program still holds one of them after two seconds, as Excel
     does on Windows: both stay as they are.
     """
-    tried = 0.0
+    waited = 0.0
     while True:
         try:
             source.replace(target)
         except PermissionError as error:
             if not WINDOWS:
                 raise
-            if tried >= PATIENCE:
+            if waited >= PATIENCE:
                 if target.suffix.lower() in SHEETS and target.exists():
                     error.strerror = f"{error.strerror}. Close it in Excel"
                 raise
             time.sleep(LOOK)
-            tried += LOOK
+            waited += LOOK
         else:
             return
 
@@ -127,18 +127,20 @@ def installing(package: str = "", extra: str | None = None) -> str:
     pip = "pip"
     if Path(sys.prefix) == ROOT / ".venv":
         pip = r".venv\Scripts\pip" if WINDOWS else ".venv/bin/pip"
-    which = f"'.[{extra}]'" if extra else "."
+    target = f"'.[{extra}]'" if extra else "."
     if WINDOWS:
-        which = which.strip("'")  # cmd.exe would keep the quotes
-    return f"{pip} install --constraint constraints.txt -e {which}"
+        target = target.strip("'")  # cmd.exe would keep the quotes
+    return f"{pip} install --constraint constraints.txt -e {target}"
 
 
 def _packages(extra: str | None) -> list[str]:
     try:
-        declared = requires("vibrafeed") or []
+        requirements = requires("vibrafeed") or []
     except PackageNotFoundError:
         return []
-    mark = re.compile(rf"""extra == ['"]{extra}['"]""")
+    extra_marker = re.compile(rf"""extra == ['"]{extra}['"]""")
     return [
-        found[0] for one in declared if mark.search(one) and (found := re.match(r"[\w.-]+", one))
+        match[0]
+        for requirement in requirements
+        if extra_marker.search(requirement) and (match := re.match(r"[\w.-]+", requirement))
     ]

@@ -35,21 +35,24 @@ def compile_kernels(processes: int) -> Path | None:
     from vibrafeed.core import kernel_cache  # numba is loaded with it
 
     marks: dict[str, Path | None] = {package: kernel_cache.mark_of(package) for package in STUDIES}
-    left = {package: mark for package, mark in marks.items() if mark is None or not mark.exists()}
-    for mark in left.values():
-        if mark is None or not os.access(mark.parent, os.W_OK):  # an image's, of another processor
+    to_compile = {
+        package: mark for package, mark in marks.items() if mark is None or not mark.exists()
+    }
+    for mark in to_compile.values():
+        # An image may have a folder that is read-only, for another processor.
+        if mark is None or not os.access(mark.parent, os.W_OK):
             return None
-    parts = (slice(1), slice(1, None))  # the study that comes first, and the others
+    study_slices = (slice(1), slice(1, None))  # the first study of each package, then the others
     if processes == 1:
-        for part in parts:
-            for package in left:
-                carry_out(package, part)
-    elif left:
+        for study_slice in study_slices:
+            for package in to_compile:
+                carry_out(package, study_slice)
+    elif to_compile:
         spawn = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(min(processes, len(left)), spawn, end_with_parent) as pool:
-            for part in parts:
-                list(pool.map(carry_out, left, len(left) * [part]))
-    for mark in left.values():
+        with ProcessPoolExecutor(min(processes, len(to_compile)), spawn, end_with_parent) as pool:
+            for study_slice in study_slices:
+                list(pool.map(carry_out, to_compile, len(to_compile) * [study_slice]))
+    for mark in to_compile.values():
         assert mark is not None
         mark.touch()
     return Path(kernel_cache.root())

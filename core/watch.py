@@ -99,7 +99,7 @@ class _Lookout:
             for watch, flag in watched:
                 try:
                     flag[0] = watch.stopped()
-                except Exception:  # raised again where cells are shared out
+                except Exception:  # raised again by the threads that compute
                     flag[0] = True
             time.sleep(LOOK)
 

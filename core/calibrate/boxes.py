@@ -35,12 +35,12 @@ class Scatter:
     ----------
     sizes : ndarray, shape (sizes,)
         Standard deviations, in the unit of what was measured.
-    log_before : ndarray, shape (sizes,)
+    log_prior : ndarray, shape (sizes,)
         Logarithms of their prior probabilities.
     """
 
     sizes: Array
-    log_before: Array
+    log_prior: Array
 
     @classmethod
     def of(cls, model: Model, *, wanted: bool) -> "Scatter":
@@ -51,46 +51,52 @@ class Scatter:
         measured, or if errors are known and a discrepancy is not `wanted`. `model` has the measured
         runs.
         """
-        # Where errors are known it is 0 in nine of ten calibrations before any measurement, else
-        # spread as half a Cauchy distribution as wide as the errors. Where none is known it is
-        # all the scatter there is, and each size of it is as likely as its double.
+        # With known errors the prior is 0 with probability 0.9, else half a Cauchy distribution as
+        # wide as the errors, F(r) = 2/pi atan(r) of the ratio r = size/error. Without errors the
+        # discrepancy is the whole scatter: sizes at even steps of their logarithm, all as probable.
         runs = model.runs
         if not runs.measured.any() or (runs.errors_known and not wanted):
             return cls(np.zeros(1), np.zeros(1))
         if not runs.errors_known:
             values = runs.value[runs.measured]
-            size = max(float(np.sqrt(np.mean(np.square(values)))), 1e-12)
-            sizes = size * np.logspace(-4.0, 0.5, UNKNOWN_SIZES)
+            rms = max(float(np.sqrt(np.mean(np.square(values)))), 1e-12)
+            sizes = rms * np.logspace(-4.0, 0.5, UNKNOWN_SIZES)
             return cls(sizes, np.full(sizes.size, -np.log(sizes.size)))
-        typical = float(np.median(runs.error[runs.measured]))
-        shares = np.logspace(-1.5, 2.5, KNOWN_SIZES)
-        # A size has the mass from halfway to its neighbours; the ends have all that lies beyond.
-        below = np.arctan(np.sqrt(shares[1:] * shares[:-1])) * 2.0 / np.pi
-        before = (1.0 - NONE_BEFORE) * np.diff(below, prepend=0.0, append=1.0)
-        sizes = typical * shares
-        return cls(np.concatenate([[0.0], sizes]), np.log(np.concatenate([[NONE_BEFORE], before])))
+        typical_error = float(np.median(runs.error[runs.measured]))
+        ratios = np.logspace(-1.5, 2.5, KNOWN_SIZES)
+        # A size has the mass between its geometric means with its neighbours, the ends the rest.
+        cumulative = np.arctan(np.sqrt(ratios[1:] * ratios[:-1])) * 2.0 / np.pi
+        prior = (1.0 - NONE_BEFORE) * np.diff(cumulative, prepend=0.0, append=1.0)
+        sizes = typical_error * ratios
+        return cls(np.concatenate([[0.0], sizes]), np.log(np.concatenate([[NONE_BEFORE], prior])))
 
-    def finer(self, likely: Array) -> "Scatter":
+    def finer(self, probability: Array) -> "Scatter":
         """Return sizes of the discrepancy that lie closer together where they are likely.
 
-        `likely` are the probabilities of the present sizes given the runs, shape (sizes,). Size 0
+        `probability` is that of the present sizes given the runs, shape (sizes,). Size 0
         stays among them if it is one now; prior probabilities are interpolated.
         """
-        sizes, before = self.sizes[self.sizes > 0], self.log_before[self.sizes > 0]
-        likely = likely[self.sizes > 0]
-        if not sizes.size or not likely.sum() > 0:
+        sizes, log_prior = self.sizes[self.sizes > 0], self.log_prior[self.sizes > 0]
+        probability = probability[self.sizes > 0]
+        if not sizes.size or not probability.sum() > 0:
             return self
-        held = np.flatnonzero(likely > HARDLY * likely.max())
-        first, last = max(held[0] - 1, 0), min(held[-1] + 1, sizes.size - 1)
-        logs = np.log(sizes)
-        fine = np.linspace(logs[first], logs[last], FINER)
-        step = np.log((fine[1] - fine[0]) / (logs[1] - logs[0]))
-        scatter = Scatter(np.exp(fine), np.interp(fine, logs, before) + step)
+        probable = np.flatnonzero(probability > HARDLY * probability.max())
+        first, last = max(probable[0] - 1, 0), min(probable[-1] + 1, sizes.size - 1)
+        log_sizes = np.log(sizes)
+        fine_log_sizes = np.linspace(log_sizes[first], log_sizes[last], FINER)
+        # A size stands for the mass around it, which is as wide as the spacing of sizes.
+        log_spacing_ratio = np.log(
+            (fine_log_sizes[1] - fine_log_sizes[0]) / (log_sizes[1] - log_sizes[0])
+        )
+        scatter = Scatter(
+            np.exp(fine_log_sizes),
+            np.interp(fine_log_sizes, log_sizes, log_prior) + log_spacing_ratio,
+        )
         if sizes.size == self.sizes.size:
             return scatter
         return Scatter(
             np.concatenate([self.sizes[:1], scatter.sizes]),
-            np.concatenate([self.log_before[:1], scatter.log_before]),
+            np.concatenate([self.log_prior[:1], scatter.log_prior]),
         )
 
 
@@ -128,39 +134,39 @@ class Likelihood:
         self,
         value: Array,
         variance: Array,
-        shown: Array,
+        seen_fraction: Array,
         points: Array,
-        within: Array | float = 0.0,
+        box_variance: Array | float = 0.0,
     ) -> Array:
         """Return log(likelihood times prior) of points, for each assumed size of the discrepancy.
 
         The discrepancy is the scatter of measurements beyond their errors; its sizes and their
-        prior are in `self.scatter`. A run with a behaviour that was seen ("hops") counts by its
-        probability.
+        prior are in `self.scatter`. A behaviour that was seen ("hops") counts by `seen_fraction`.
+        `box_variance` is that of values in the box about a point.
         """
         runs = self.model.runs
         where = runs.measured
-        residual = value[:, where] - runs.value[where]
+        residual = value[:, where] - runs.value[where]  # (points, measured runs)
         square = np.square(np.where(np.isnan(residual), HOPELESS, residual))
-        known = variance[:, where] + np.square(runs.error[where])
-        around = np.broadcast_to(within, value.shape)[:, where]
-        nearest = np.square(np.maximum(0.0, np.sqrt(square) - REACH * np.sqrt(around)))
+        error_variance = variance[:, where] + np.square(runs.error[where])
+        within_box = np.broadcast_to(box_variance, value.shape)[:, where]
+        nearest = np.square(np.maximum(0.0, np.sqrt(square) - REACH * np.sqrt(within_box)))
         log = np.empty((len(points), self.scatter.sizes.size))
         for k, size in enumerate(self.scatter.sizes):
-            own = known + size**2
-            whole = own + around
+            point_variance = error_variance + size**2
+            total_variance = point_variance + within_box
             # A wide box would explain too much by its variance alone: it explains a run no better
             # than a point would at which its value comes nearest to the measured one.
-            spent = self.penalty(square / whole) + np.log(whole)
-            least = self.penalty(nearest / own) + np.log(own)
-            log[:, k] = -0.5 * np.maximum(spent, least).sum(axis=1)
-        seen = np.log(
-            self.outlier_probability + (1.0 - 2.0 * self.outlier_probability) * shown
+            at_centre = self.penalty(square / total_variance) + np.log(total_variance)
+            at_nearest = self.penalty(nearest / point_variance) + np.log(point_variance)
+            log[:, k] = -0.5 * np.maximum(at_centre, at_nearest).sum(axis=1)
+        log_of_seen = np.log(
+            self.outlier_probability + (1.0 - 2.0 * self.outlier_probability) * seen_fraction
         ).sum(axis=1)
-        log += (seen + self.model.log_prior(points))[:, np.newaxis] + self.scatter.log_before
+        log += (log_of_seen + self.model.log_prior(points))[:, np.newaxis] + self.scatter.log_prior
         return np.asarray(log)
 
-    def shown(self, predicted: Predicted) -> Array:
+    def seen_fraction(self, predicted: Predicted) -> Array:
         """Return 1 where a part shows the regime that was observed in a run, else 0.
 
         `predicted` are the motions at points of the unknowns. The result is an array of floats of
@@ -181,17 +187,17 @@ def log_sum(log: Array) -> Array:
     the last axis. It sums probabilities that are too small to be represented.
     """
     top = log.max(axis=-1, keepdims=True)
-    top = np.where(np.isfinite(top), top, 0.0)
+    top = np.where(np.isfinite(top), top, 0.0)  # else -inf - -inf is NaN
     with np.errstate(divide="ignore"):
         total: Array = np.log(np.exp(log - top).sum(axis=-1)) + top[..., 0]
     return total
 
 
-def shares_of(log: Array) -> Array:
-    """Return the shares of a whole from their logarithms; all equal if none is finite."""
+def weights_from_logs(log: Array) -> Array:
+    """Return exp(log) over its sum; all equal if no logarithm is finite."""
     top = log.max()
-    mass = np.exp(log - top) if np.isfinite(top) else np.ones(log.shape)
-    return np.asarray(mass / mass.sum())
+    weights = np.exp(log - top) if np.isfinite(top) else np.ones(log.shape)
+    return np.asarray(weights / weights.sum())
 
 
 FIRST_SHARE = 4  # the first boxes take at most this fraction (1/4) of all points
@@ -218,10 +224,10 @@ class PosteriorBoxes:
         Predicted values of the runs at the centres, and their variances.
     slope : ndarray, shape (boxes, runs, unknowns)
         Derivatives of the values by the shares.
-    rough : ndarray, shape (boxes, runs)
+    curvature_variance : ndarray, shape (boxes, runs)
         Variance of the values within a box that the slopes do not explain.
-    shown : ndarray, shape (boxes, watched runs)
-        The share of a box in which the part does what was seen.
+    seen_fraction : ndarray, shape (boxes, watched runs)
+        The fraction of a box in which the part does what was seen.
     """
 
     centre: Array
@@ -229,8 +235,8 @@ class PosteriorBoxes:
     value: Array
     variance: Array
     slope: Array
-    rough: Array
-    shown: Array
+    curvature_variance: Array
+    seen_fraction: Array
 
     def __len__(self) -> int:
         """Return the number of boxes."""
@@ -247,8 +253,8 @@ class PosteriorBoxes:
         return -self.halvings * self.centre.shape[1] * np.log(2.0)
 
     @property
-    def change(self) -> Array:
-        """Variance of values within a box, shape (boxes, runs)."""
+    def slope_variance(self) -> Array:
+        """Variance of values within a box by their slopes, shape (boxes, runs)."""
         steps: Array = np.square(self.slope).sum(axis=2)
         return steps * (UNIFORM * np.square(self.width))[:, np.newaxis]
 
@@ -274,48 +280,49 @@ class Explored:
         Logarithms of the mass in each.
     points : int
         Number of points at which motions were predicted.
-    sizes : ndarray, shape (sizes,)
+    size_probabilities : ndarray, shape (sizes,)
         Probability of each size of the discrepancy.
-    left : float
-        What is left to refine: the mean of how far predictions change in a box, over errors.
+    remaining_score : float
+        The mean of how far predictions change in a box, over errors.
     """
 
     boxes: PosteriorBoxes
     log_mass: Array
     points: int
-    sizes: Array
-    left: float
+    size_probabilities: Array
+    remaining_score: float
 
 
-def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
+def explore(likelihood: Likelihood, max_points: int, watch: Watch) -> Explored:
     """Return the adaptive grid of a posterior: boxes of the unknowns, small where the mass is.
 
     Boxes that hold much mass and over which predictions change are halved along each unknown, until
-    little is left to refine or `most` points were predicted.
+    little is left to refine or `max_points` were predicted.
     """
-    count = len(likelihood.model.unknowns)
-    boxes = _first(likelihood, most, watch)
-    tried = len(boxes)
+    unknowns = len(likelihood.model.unknowns)
+    boxes = _first_boxes(likelihood, max_points, watch)
+    predicted_points = len(boxes)
     while True:
-        points, within = points_of(likelihood, boxes.centre), boxes.rough + boxes.change
-        log = likelihood.log(boxes.value, boxes.variance, boxes.shown, points, within)
-        log = log + boxes.log_volume[:, np.newaxis]
-        log_mass = log_sum(log)
-        score = _score(likelihood, boxes, log)
-        left = float(score.sum())
+        points = points_of(likelihood, boxes.centre)
+        box_variance = boxes.curvature_variance + boxes.slope_variance
+        log = likelihood.log(boxes.value, boxes.variance, boxes.seen_fraction, points, box_variance)
+        log = log + boxes.log_volume[:, np.newaxis]  # density to mass
+        score = _refinement_score(likelihood, boxes, log)
+        total_score = float(score.sum())
+        # Halve the fewest boxes that have most of the score; each gives 2^unknowns children.
         order = np.argsort(-score)
-        wanted = int(np.searchsorted(np.cumsum(score[order]), ROUND * left)) + 1
-        wanted = min(wanted, (most - tried) >> count, int((score > 0).sum()))
-        if left < ENOUGH or wanted < 1:
-            return Explored(boxes, log_mass, tried, _sizes(log), left)
-        chosen = order[:wanted]
+        halved = int(np.searchsorted(np.cumsum(score[order]), ROUND * total_score)) + 1
+        halved = min(halved, (max_points - predicted_points) >> unknowns, int((score > 0).sum()))
+        if total_score < ENOUGH or halved < 1:
+            probabilities = _size_probabilities(log)
+            return Explored(boxes, log_sum(log), predicted_points, probabilities, total_score)
+        chosen = order[:halved]
         kept = np.ones(len(boxes), dtype=bool)
         kept[chosen] = False
-        parents = boxes.only(chosen)
-        children = wanted << count
-        finer = _split(likelihood, parents, watch.part(children / most))
+        children = halved << unknowns
+        finer = _halved(likelihood, boxes.only(chosen), watch.part(children / max_points))
         boxes = boxes.only(kept).joined(finer)
-        tried += children
+        predicted_points += children
 
 
 def points_of(likelihood: Likelihood, centre: Array) -> Array:
@@ -327,29 +334,31 @@ def points_of(likelihood: Likelihood, centre: Array) -> Array:
     return np.asarray(model.lower + centre * model.width)
 
 
-def _first(likelihood: Likelihood, most: int, watch: Watch) -> PosteriorBoxes:
-    count = len(likelihood.model.unknowns)
-    halvings = int(np.log2(most / FIRST_SHARE) / count)
+def _first_boxes(likelihood: Likelihood, max_points: int, watch: Watch) -> PosteriorBoxes:
+    unknowns = len(likelihood.model.unknowns)
+    halvings = int(np.log2(max_points / FIRST_SHARE) / unknowns)
     halvings = max(2, min(FINEST_FIRST, halvings))
-    size = 2**halvings
-    along = (np.arange(size) + 0.5) / size
-    centre = np.stack(np.meshgrid(*(along,) * count, indexing="ij"), axis=-1).reshape(-1, count)
-    share = watch.part(min(1.0, len(centre) / most))
-    predicted = likelihood.model.predict(points_of(likelihood, centre), share)
-    shown = likelihood.shown(predicted)
-    shape, runs = (size,) * count, predicted.value.shape[1]
+    per_unknown = 2**halvings  # boxes along each unknown
+    midpoints = (np.arange(per_unknown) + 0.5) / per_unknown
+    centre = np.stack(np.meshgrid(*(midpoints,) * unknowns, indexing="ij"), axis=-1).reshape(
+        -1, unknowns
+    )
+    part_watch = watch.part(min(1.0, len(centre) / max_points))
+    predicted = likelihood.model.predict(points_of(likelihood, centre), part_watch)
+    seen_fraction = likelihood.seen_fraction(predicted)
+    shape, runs = (per_unknown,) * unknowns, predicted.value.shape[1]
     values = np.nan_to_num(predicted.value, nan=0.0).reshape(*shape, runs)
-    slopes = [np.gradient(values, 1.0 / size, axis=k) for k in range(count)]
-    slope = np.stack(slopes, axis=-1).reshape(-1, runs, count)
-    rough = sum(np.square(_bend(values, axis)) for axis in range(count))
+    slopes = [np.gradient(values, 1.0 / per_unknown, axis=k) for k in range(unknowns)]
+    slope = np.stack(slopes, axis=-1).reshape(-1, runs, unknowns)
+    curvature_variance = sum(np.square(_bend(values, axis)) for axis in range(unknowns))
     return PosteriorBoxes(
         centre,
         np.full(len(centre), halvings),
         predicted.value,
         predicted.variance,
         slope,
-        np.asarray(rough).reshape(-1, runs),
-        _softened(shown.reshape(*shape, -1)).reshape(len(centre), -1),
+        np.asarray(curvature_variance).reshape(-1, runs),
+        _blurred(seen_fraction.reshape(*shape, -1)).reshape(len(centre), -1),
     )
 
 
@@ -360,75 +369,85 @@ def _bend(values: Array, axis: int) -> Array:
     return np.asarray(0.25 * np.diff(near, 2, axis=axis))
 
 
-def _softened(shown: Array) -> Array:
+def _blurred(fraction: Array) -> Array:
     # Blurred by 1/4, 1/2, 1/4: boxes at the border of a regime are neither certain nor excluded.
-    soft = shown
-    for axis in range(shown.ndim - 1):
-        near = np.pad(soft, [(1, 1) if k == axis else (0, 0) for k in range(soft.ndim)], "edge")
-        before, after = (np.take(near, range(s, s + soft.shape[axis]), axis) for s in (0, 2))
-        soft = 0.25 * before + 0.5 * soft + 0.25 * after
-    return soft
+    blurred = fraction
+    for axis in range(fraction.ndim - 1):
+        padded = np.pad(
+            blurred, [(1, 1) if k == axis else (0, 0) for k in range(blurred.ndim)], "edge"
+        )
+        before, after = (
+            np.take(padded, range(start, start + blurred.shape[axis]), axis) for start in (0, 2)
+        )
+        blurred = 0.25 * before + 0.5 * blurred + 0.25 * after
+    return blurred
 
 
-def _split(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> PosteriorBoxes:
-    count = parents.centre.shape[1]
-    signs = np.array([*product((-1.0, 1.0), repeat=count)])  # (children, unknowns)
+def _halved(likelihood: Likelihood, parents: PosteriorBoxes, watch: Watch) -> PosteriorBoxes:
+    unknowns = parents.centre.shape[1]
+    signs = np.array([*product((-1.0, 1.0), repeat=unknowns)])  # (children, unknowns)
     step = 0.25 * parents.width[:, np.newaxis, np.newaxis]
     centre = parents.centre[:, np.newaxis] + step * signs  # (parents, children, unknowns)
-    flat = centre.reshape(-1, count)
-    predicted = likelihood.model.predict(points_of(likelihood, flat), watch)
-    shown = likelihood.shown(predicted)
+    centres = centre.reshape(-1, unknowns)
+    predicted = likelihood.model.predict(points_of(likelihood, centres), watch)
+    seen_fraction = likelihood.seen_fraction(predicted)
     runs, children = predicted.value.shape[1], len(signs)
-    family = np.nan_to_num(predicted.value, nan=0.0).reshape(-1, children, runs)
-    # Over all signs, which are orthogonal, a plane through the children is a sum of products.
-    slope = np.einsum("pcr,ck->prk", family, signs) / (children * step)
-    plane = np.einsum("prk,ck->pcr", slope * step, signs) + family.mean(axis=1, keepdims=True)
-    # Halves of a box lie on a straight line whatever it is; what the box foretold tells more.
-    foretold = np.nan_to_num(parents.value)[:, np.newaxis] + np.einsum(
+    child_values = np.nan_to_num(predicted.value, nan=0.0).reshape(-1, children, runs)
+    # Least squares of value = mean + slope * step * sign: the columns of `signs` are orthogonal.
+    slope = np.einsum("pcr,ck->prk", child_values, signs) / (children * step)
+    plane = np.einsum("prk,ck->pcr", slope * step, signs) + child_values.mean(axis=1, keepdims=True)
+    # Two halves always lie on a straight line: also compare with the value by the parent's slope.
+    by_parent = np.nan_to_num(parents.value)[:, np.newaxis] + np.einsum(
         "prk,ck->pcr", parents.slope * step, signs
     )
-    rough = np.maximum(np.square(family - plane), BENT * np.square(family - foretold)).mean(axis=1)
-    mixed = shown.reshape(len(parents), children, shown.shape[1]).mean(axis=1)
-    shown = np.where(
-        np.repeat((mixed > 0) & (mixed < 1), children, axis=0),
-        0.5 * (shown + np.repeat(mixed, children, axis=0)),
-        shown,
+    curvature = np.maximum(
+        np.square(child_values - plane), BENT * np.square(child_values - by_parent)
+    ).mean(axis=1)
+    parent_fraction = seen_fraction.reshape(len(parents), children, seen_fraction.shape[1]).mean(
+        axis=1
+    )
+    # Boxes at the border of a regime are neither certain nor excluded.
+    seen_fraction = np.where(
+        np.repeat((parent_fraction > 0) & (parent_fraction < 1), children, axis=0),
+        0.5 * (seen_fraction + np.repeat(parent_fraction, children, axis=0)),
+        seen_fraction,
     )
     return PosteriorBoxes(
-        flat,
+        centres,
         np.repeat(parents.halvings + 1, children),
         predicted.value,
         predicted.variance,
         np.repeat(slope, children, axis=0),
-        np.repeat(rough, children, axis=0),
-        shown,
+        np.repeat(curvature, children, axis=0),
+        seen_fraction,
     )
 
 
-def _sizes(log: Array) -> Array:
+def _size_probabilities(log: Array) -> Array:
     top = log.max()
     if not np.isfinite(top):
         return np.full(log.shape[1], 1.0 / log.shape[1])
-    found: Array = np.exp(log - top).sum(axis=0)
-    return found / found.sum()
+    mass: Array = np.exp(log - top).sum(axis=0)
+    return mass / mass.sum()
 
 
-def _score(likelihood: Likelihood, boxes: PosteriorBoxes, log: Array) -> Array:
+def _refinement_score(likelihood: Likelihood, boxes: PosteriorBoxes, log: Array) -> Array:
     runs = likelihood.model.runs
     if not np.isfinite(log.max()):
         return np.zeros(len(boxes))
-    mass = shares_of(log)
-    where, size = runs.measured, likelihood.scatter.sizes
-    usual = float(mass.sum(axis=0) @ np.square(size))
+    mass = weights_from_logs(log)  # (boxes, sizes)
+    where, sizes = runs.measured, likelihood.scatter.sizes
+    discrepancy_variance = float(mass.sum(axis=0) @ np.square(sizes))
     if runs.errors_known:
-        usual = float(np.square(size[np.argmax(mass.sum(axis=0))]))
-    known = boxes.variance[:, where] + np.square(runs.error[where]) + usual
-    # Far from what was measured a small change of a value changes the likelihood much.
+        discrepancy_variance = float(np.square(sizes[np.argmax(mass.sum(axis=0))]))
+    error_variance = boxes.variance[:, where] + np.square(runs.error[where]) + discrepancy_variance
     residual = np.nan_to_num(boxes.value[:, where] - runs.value[where])
-    slope = np.maximum(1.0, np.square(residual / FAR) / known)
-    smooth = (boxes.change[:, where] / known * slope).sum(axis=1)
-    rough = (boxes.rough[:, where] / known * slope).sum(axis=1)
-    border = (boxes.shown * (1.0 - boxes.shown)).sum(axis=1)
-    score: Array = mass.sum(axis=1) * np.minimum(0.1 * smooth + rough + border, 10.0)
+    # Far from the measured value a small change of the prediction changes the likelihood much.
+    sensitivity = np.maximum(1.0, np.square(residual / FAR) / error_variance)
+    smooth = (boxes.slope_variance[:, where] / error_variance * sensitivity).sum(axis=1)
+    curvature = (boxes.curvature_variance[:, where] / error_variance * sensitivity).sum(axis=1)
+    border = (boxes.seen_fraction * (1.0 - boxes.seen_fraction)).sum(axis=1)
+    score: Array = mass.sum(axis=1) * np.minimum(0.1 * smooth + curvature + border, 10.0)
+    # Numbers of finer boxes do not fit into an integer.
     score[boxes.halvings >= MAX_BITS // boxes.centre.shape[1]] = 0.0
     return score

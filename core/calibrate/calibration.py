@@ -38,10 +38,12 @@ def columns_of(grid: Grid) -> dict[str, Array]:
     all combinations of its axes, with the fixed parameters repeated. Values are in the units of
     studies.
     """
-    places = np.unravel_index(np.arange(grid.cells), tuple(grid.shape.values()) or (1,))
-    place = dict(zip(grid.axes, places, strict=False))
-    found = {name: grid.values_of(name).array()[place[axis]] for name, axis in grid.along.items()}
-    return found | {name: np.full(grid.cells, value) for name, value in grid.fixed.items()}
+    indices = np.unravel_index(np.arange(grid.cells), tuple(grid.shape.values()) or (1,))
+    index_along = dict(zip(grid.axes, indices, strict=False))
+    varied = {
+        name: grid.values_of(name).array()[index_along[axis]] for name, axis in grid.along.items()
+    }
+    return varied | {name: np.full(grid.cells, value) for name, value in grid.fixed.items()}
 
 
 def typical_error(posterior: Posterior) -> float:
@@ -51,10 +53,12 @@ def typical_error(posterior: Posterior) -> float:
     unknown explains.
     """
     runs = posterior.likelihood.model.runs
-    known = runs.error[runs.measured]
-    scatter = float(posterior.sizes @ np.square(posterior.likelihood.scatter.sizes))
-    usual = float(np.median(known)) if known.size else 0.0
-    return float(np.sqrt(usual**2 + scatter))
+    errors = runs.error[runs.measured]
+    discrepancy_variance = float(
+        posterior.size_probabilities @ np.square(posterior.likelihood.scatter.sizes)
+    )
+    median_error = float(np.median(errors)) if errors.size else 0.0
+    return float(np.sqrt(median_error**2 + discrepancy_variance))
 
 
 def information(
@@ -68,66 +72,78 @@ def information(
     (`StoppedError`).
     """
     points = posterior.ensemble(ENSEMBLE)
-    found = model.predict(points, watch, columns_of(grid))
-    value = np.where(np.isnan(found.value), np.nan, found.value)
-    spread = np.sqrt(found.variance + typical_error(posterior) ** 2)
-    gain, left = np.empty(value.shape[1]), np.empty((points.shape[1], value.shape[1]))
-    for start in range(0, value.shape[1], CANDIDATES_AT_A_TIME):
-        some = slice(start, start + CANDIDATES_AT_A_TIME)
-        gain[some], left[:, some] = _gain(value[:, some], spread[:, some], points)
+    predicted = model.predict(points, watch, columns_of(grid))
+    values = np.where(np.isnan(predicted.value), np.nan, predicted.value)  # (points, candidates)
+    spread = np.sqrt(predicted.variance + typical_error(posterior) ** 2)
+    gain, deviation_ratio = np.empty(values.shape[1]), np.empty((points.shape[1], values.shape[1]))
+    for start in range(0, values.shape[1], CANDIDATES_AT_A_TIME):
+        chunk = slice(start, start + CANDIDATES_AT_A_TIME)
+        gain[chunk], deviation_ratio[:, chunk] = _information_gain(
+            values[:, chunk], spread[:, chunk], points
+        )
     with np.errstate(all="ignore"):
-        known = ~np.isnan(value)
-        count = np.maximum(known.sum(axis=0), 1)
-        mean = np.where(known, value, 0.0).sum(axis=0) / count
-        square = np.square(np.where(known, value - mean, 0.0)).sum(axis=0) / count
-    nothing = ~known.any(axis=0)
-    mean, deviation = (np.where(nothing, np.nan, one) for one in (mean, np.sqrt(square)))
-    return gain, mean, deviation, left
+        has_speed = ~np.isnan(values)
+        count = np.maximum(has_speed.sum(axis=0), 1)
+        mean = np.where(has_speed, values, 0.0).sum(axis=0) / count
+        variance = np.square(np.where(has_speed, values - mean, 0.0)).sum(axis=0) / count
+    without_speed = ~has_speed.any(axis=0)
+    mean, deviation = (
+        np.where(without_speed, np.nan, statistic) for statistic in (mean, np.sqrt(variance))
+    )
+    return gain, mean, deviation, deviation_ratio
 
 
-def _gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
-    # Entropy of the predicted speed less that of its error [bit], times the share of points with a
-    # speed; and the deviations of the unknowns after over before.
-    known = ~np.isnan(value)
-    count = known.sum(axis=0)
-    least = np.where(known, value - AROUND * spread, np.inf).min(axis=0)
-    most = np.where(known, value + AROUND * spread, -np.inf).max(axis=0)
-    some = (count > 0) & (most > least)
-    gain, left = np.full(value.shape[1], 0.0), np.ones((points.shape[1], value.shape[1]))
-    if not some.any():
-        return gain, left
-    value, spread, known = value[:, some], spread[:, some], known[:, some]
-    steps = (most - least)[some] / (SPEED_NODES - 1)
-    speeds = least[some] + steps * np.arange(SPEED_NODES)[:, np.newaxis]
-    away = (speeds[np.newaxis] - np.where(known, value, 0.0)[:, np.newaxis]) / spread[:, np.newaxis]
-    density = np.exp(-0.5 * np.square(away)) / (np.sqrt(2.0 * np.pi) * spread[:, np.newaxis])
-    density *= known[:, np.newaxis]
-    left[:, some] = _left(density, points, steps)
-    density = density.sum(axis=0) / count[some]
+def _information_gain(value: Array, spread: Array, points: Array) -> tuple[Array, Array]:
+    # Per candidate: entropy of the predicted speed, H = -sum p log(p) dy, less that of its error,
+    # log(s) + (log(2 pi) + 1)/2, as bits, times the fraction of points with a speed; and the ratio
+    # of the deviations of the unknowns after and before.
+    has_speed = ~np.isnan(value)
+    count = has_speed.sum(axis=0)
+    lowest = np.where(has_speed, value - AROUND * spread, np.inf).min(axis=0)
+    highest = np.where(has_speed, value + AROUND * spread, -np.inf).max(axis=0)
+    spanned = (count > 0) & (highest > lowest)
+    gain, deviation_ratio = np.full(value.shape[1], 0.0), np.ones((points.shape[1], value.shape[1]))
+    if not spanned.any():
+        return gain, deviation_ratio
+    value, spread, has_speed = value[:, spanned], spread[:, spanned], has_speed[:, spanned]
+    steps = (highest - lowest)[spanned] / (SPEED_NODES - 1)
+    speeds = lowest[spanned] + steps * np.arange(SPEED_NODES)[:, np.newaxis]
+    distance = (speeds[np.newaxis] - np.where(has_speed, value, 0.0)[:, np.newaxis]) / spread[
+        :, np.newaxis
+    ]
+    density = np.exp(-0.5 * np.square(distance)) / (np.sqrt(2.0 * np.pi) * spread[:, np.newaxis])
+    density *= has_speed[:, np.newaxis]
+    deviation_ratio[:, spanned] = _deviation_ratio(density, points, steps)
+    density = density.sum(axis=0) / count[spanned]
     with np.errstate(divide="ignore", invalid="ignore"):
         entropy = -np.where(density > 0, density * np.log(density), 0.0).sum(axis=0) * steps
-        own = np.log(spread) + 0.5 * (np.log(2.0 * np.pi) + 1.0)
-    noise = np.where(known, own, 0.0).sum(axis=0) / count[some]
-    # What motions of no speed tell is not counted: such a run is not one to plan.
-    gain[some] = np.maximum(entropy - noise, 0.0) / BIT * (count[some] / len(value))
-    return gain, left
+        error_entropy = np.log(spread) + 0.5 * (np.log(2.0 * np.pi) + 1.0)
+    mean_error_entropy = np.where(has_speed, error_entropy, 0.0).sum(axis=0) / count[spanned]
+    # Points without a speed add nothing: a run that may have none is not worth planning.
+    gain[spanned] = (
+        np.maximum(entropy - mean_error_entropy, 0.0) / BIT * (count[spanned] / len(value))
+    )
+    return gain, deviation_ratio
 
 
-def _left(density: Array, points: Array, steps: Array) -> Array:
+def _deviation_ratio(density: Array, points: Array, steps: Array) -> Array:
     # sqrt(E[Var(x|y)]/Var(x)), E[Var(x|y)] = 1/n sum_y dy (sum_i p_i(y) x_i^2 - (sum_i p_i(y)
-    # x_i)^2/sum_i p_i(y)). Points that predict no speed keep their share of the variance.
-    away = points - points.mean(axis=0)
-    before = np.square(away).mean(axis=0)
-    whole = density.sum(axis=0)
-    first = np.einsum("ijk,iu->ujk", density, away)
-    second = np.einsum("ijk,iu->ujk", density, np.square(away))
+    # x_i)^2/sum_i p_i(y)); p_i is `density`, its axes points, speeds y and candidates. Points
+    # that predict no speed keep their part of the variance.
+    deviations = points - points.mean(axis=0)
+    variance_before = np.square(deviations).mean(axis=0)
+    total = density.sum(axis=0)
+    first_moment = np.einsum("ijk,iu->ujk", density, deviations)
+    second_moment = np.einsum("ijk,iu->ujk", density, np.square(deviations))
     with np.errstate(divide="ignore", invalid="ignore"):
-        within = np.where(whole > 0, second - np.square(first) / whole, 0.0)
-        seen = within.sum(axis=1) * steps / len(points)
-        silent = 1.0 - whole.sum(axis=0) * steps / len(points)
-        variance = seen + np.maximum(silent, 0.0) * before[:, np.newaxis]
-        share = np.where(before[:, np.newaxis] > 0, variance / before[:, np.newaxis], 1.0)
-    return np.sqrt(np.clip(share, 0.0, 1.0))
+        within = np.where(total > 0, second_moment - np.square(first_moment) / total, 0.0)
+        expected = within.sum(axis=1) * steps / len(points)
+        without_speed = 1.0 - total.sum(axis=0) * steps / len(points)
+        variance = expected + np.maximum(without_speed, 0.0) * variance_before[:, np.newaxis]
+        ratio = np.where(
+            variance_before[:, np.newaxis] > 0, variance / variance_before[:, np.newaxis], 1.0
+        )
+    return np.sqrt(np.clip(ratio, 0.0, 1.0))
 
 
 RUN, MODE = "run", "mode"
@@ -140,7 +156,7 @@ ESTIMATES = {
 }  # fmt: skip
 """Estimates of each unknown, in words; the names of variables begin with the keys."""
 CANDIDATE = "candidate_"
-LEFT = "deviation_after_"
+DEVIATION_AFTER = "deviation_after_"
 POINT_SECONDS = 4e-6  # of a point and a run, beside following the motion
 FEW_SECONDS = 1.5  # for densities, modes and the last digits
 
@@ -175,10 +191,10 @@ class Calibration(Prepared):
     @property
     def cells(self) -> int:
         """The largest number of motions that are simulated."""
-        return self.study.points * len(self.model.runs) + self.asked
+        return self.study.points * len(self.model.runs) + self.candidate_motions
 
     @property
-    def asked(self) -> int:
+    def candidate_motions(self) -> int:
         """The number of motions simulated for candidates of further runs."""
         return ENSEMBLE * self.candidates.cells if self.candidates else 0
 
@@ -190,17 +206,17 @@ class Calibration(Prepared):
     @cached_property
     def variables(self) -> dict[str, ResultVariable]:
         """Every variable of the result by name, in the order in which they are stored."""
-        return {one.name: one for one in _variables(self)}
+        return {variable.name: variable for variable in _variables(self)}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable."""
-        return {name: one.unit for name, one in self.variables.items()}
+        return {name: variable.unit for name, variable in self.variables.items()}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The names of the dimensions of each variable."""
-        return {name: one.dims for name, one in self.variables.items()}
+        return {name: variable.dims for name, variable in self.variables.items()}
 
     @property
     def pairs(self) -> list[tuple[str, str]]:
@@ -242,63 +258,117 @@ class Calibration(Prepared):
         """The time of verifying a cell: 0, as calibrations are not verified."""
         return 0.0
 
-    def what_fits(self, share: float) -> str:
+    def what_fits(self, fraction: float) -> str:
         """Return a sentence that says how to shrink the study to a share of its size."""
         return "Calibrate fewer unknowns, or fewer candidates"
 
 
 def _variables(prepared: Calibration) -> Iterator[ResultVariable]:
-    made, model, over = ResultVariable, prepared.model, (RUN,)
+    variable, model, runs = ResultVariable, prepared.model, (RUN,)
     output = QUANTITIES[model.runs.output]
-    unit, lowered = output.unit, {u.name: in_sentence(u.label) for u in model.unknowns}
+    unit, labels = output.unit, {u.name: in_sentence(u.label) for u in model.unknowns}
     for unknown in model.unknowns:
-        for what, says in ESTIMATES.items():
-            label = f"{says.capitalize()} of the {lowered[unknown.name]}"
-            yield made(f"{what}_{unknown.name}", (), unknown.unit, label)
-    for a, b in combinations(model.names, 2):
-        yield made(f"correlation_{a}_{b}", (), "1", f"Correlation of {a} and {b}")
-    yield made("discrepancy", (), unit, "Discrepancy", "Standard deviation of what errors and "
-              "unknowns do not explain: its median. All else is averaged over it.")  # fmt: skip
-    for band, says in BANDS.items():
-        yield made(f"discrepancy_{band}", (), unit, f"Discrepancy, {says}")
-    yield made("discrepancy_probability", (), "1", "Probability of a discrepancy",
-              "That there is any discrepancy; 0.1 before the runs.")  # fmt: skip
+        for estimate, words in ESTIMATES.items():
+            label = f"{words.capitalize()} of the {labels[unknown.name]}"
+            yield variable(f"{estimate}_{unknown.name}", (), unknown.unit, label)
+    for first, second in combinations(model.names, 2):
+        yield variable(
+            f"correlation_{first}_{second}", (), "1", f"Correlation of {first} and {second}"
+        )
+    yield variable(
+        "discrepancy",
+        (),
+        unit,
+        "Discrepancy",
+        "Standard deviation of what errors and "
+        "unknowns do not explain: its median. All else is averaged over it.",
+    )
+    for band, words in BANDS.items():
+        yield variable(f"discrepancy_{band}", (), unit, f"Discrepancy, {words}")
+    yield variable(
+        "discrepancy_probability",
+        (),
+        "1",
+        "Probability of a discrepancy",
+        "That there is any discrepancy; 0.1 before the runs.",
+    )
     for unknown in model.unknowns:
-        label = f"Best of each mode, {lowered[unknown.name]}"
-        yield made(f"mode_{unknown.name}", (MODE,), unknown.unit, label)
-    yield made("mode_share", (MODE,), "1", "Share of the mode", "Of the mass of the posterior.")
-    yield made(model.runs.output, over, unit, f"Measured {output.label.lower()}")
-    yield made("error", over, unit, "Error", "Standard deviation of the measured value.")
-    yield made("predicted", over, unit, "Predicted", "Mean over the posterior of the predicted "
-              "value.")  # fmt: skip
-    yield made("predicted_best", over, unit, "Predicted by the best values", "Value predicted with "
-              "the best values.")  # fmt: skip
-    for band, says in BANDS.items():
-        yield made(f"predicted_{band}", over, unit, f"Predicted, {says}")
-    yield made("predicted_spread", over, unit, "Spread", "Of a motion that does not repeat, at the "
-              "best values.")  # fmt: skip
-    yield made("residual", over, unit, "Residual", "Measured less predicted by the best values.")
-    yield made("residual_over_error", over, "1", "Residual over error", "With the error of the "
-              "run, its spread and the discrepancy.")  # fmt: skip
+        label = f"Best of each mode, {labels[unknown.name]}"
+        yield variable(f"mode_{unknown.name}", (MODE,), unknown.unit, label)
+    yield variable("mode_share", (MODE,), "1", "Share of the mode", "Of the mass of the posterior.")
+    yield variable(model.runs.output, runs, unit, f"Measured {output.label.lower()}")
+    yield variable("error", runs, unit, "Error", "Standard deviation of the measured value.")
+    yield variable(
+        "predicted", runs, unit, "Predicted", "Mean over the posterior of the predicted value."
+    )
+    yield variable(
+        "predicted_best",
+        runs,
+        unit,
+        "Predicted by the best values",
+        "Value predicted with the best values.",
+    )
+    for band, words in BANDS.items():
+        yield variable(f"predicted_{band}", runs, unit, f"Predicted, {words}")
+    yield variable(
+        "predicted_spread",
+        runs,
+        unit,
+        "Spread",
+        "Of a motion that does not repeat, at the best values.",
+    )
+    yield variable(
+        "residual", runs, unit, "Residual", "Measured less predicted by the best values."
+    )
+    yield variable(
+        "residual_over_error",
+        runs,
+        "1",
+        "Residual over error",
+        "With the error of the run, its spread and the discrepancy.",
+    )
     if model.runs.watched.any():
-        yield made("probability_of_seen", over, "1", "Probability of the observation", "By the "
-                  "posterior, run by run.")  # fmt: skip
+        yield variable(
+            "probability_of_seen",
+            runs,
+            "1",
+            "Probability of the observation",
+            "By the posterior, run by run.",
+        )
     for unknown in model.unknowns:
-        per = "1" if unknown.unit == "1" else f"({unknown.unit})-1"
-        label = f"Density of the {lowered[unknown.name]}"
-        yield made(f"density_{unknown.name}", (unknown.name,), per, label)
-    for a, b in prepared.pairs:
-        yield made(f"density_{a}_{b}", (a, b), "1", f"Density of {a} and {b}")
-    yield made("log_density", model.names, "1", "Logarithm of the posterior density", "Natural, 0 "
-              "where it is largest on this grid.")  # fmt: skip
+        density_unit = "1" if unknown.unit == "1" else f"({unknown.unit})-1"
+        label = f"Density of the {labels[unknown.name]}"
+        yield variable(f"density_{unknown.name}", (unknown.name,), density_unit, label)
+    for first, second in prepared.pairs:
+        yield variable(
+            f"density_{first}_{second}", (first, second), "1", f"Density of {first} and {second}"
+        )
+    yield variable(
+        "log_density",
+        model.names,
+        "1",
+        "Logarithm of the posterior density",
+        "Natural, 0 where it is largest on this grid.",
+    )
     if prepared.candidates:
         drive = tuple(CANDIDATE + name for name in prepared.candidates.axes)
-        yield made("information", drive, "bit", "Expected information", "What a measurement "
-                  "there adds.")  # fmt: skip
-        yield made("expected", drive, unit, "Expected value", "Mean over the posterior.")
-        yield made("expected_deviation", drive, unit, "Deviation of the expected value", "Over the "
-                  "posterior.")  # fmt: skip
+        yield variable(
+            "information", drive, "bit", "Expected information", "What a measurement there adds."
+        )
+        yield variable("expected", drive, unit, "Expected value", "Mean over the posterior.")
+        yield variable(
+            "expected_deviation",
+            drive,
+            unit,
+            "Deviation of the expected value",
+            "Over the posterior.",
+        )
         for unknown in model.unknowns:
-            label = f"Standard deviation of the {lowered[unknown.name]} after the measurement"
-            yield made(f"{LEFT}{unknown.name}", drive, unknown.unit, label, "Expected standard "
-                      "deviation after the measurement there.")  # fmt: skip
+            label = f"Standard deviation of the {labels[unknown.name]} after the measurement"
+            yield variable(
+                f"{DEVIATION_AFTER}{unknown.name}",
+                drive,
+                unknown.unit,
+                label,
+                "Expected standard deviation after the measurement there.",
+            )

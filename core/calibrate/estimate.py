@@ -13,8 +13,8 @@ from vibrafeed.core.calibrate.boxes import Likelihood, Scatter, explore, log_sum
 from vibrafeed.core.calibrate.calibration import (
     BANDS,
     CANDIDATE,
+    DEVIATION_AFTER,
     ENSEMBLE,
-    LEFT,
     MODE,
     RUN,
     Calibration,
@@ -25,9 +25,9 @@ from vibrafeed.core.calibrate.posterior import (
     Posterior,
     axes_of,
     log_density,
-    marginal,
+    marginal_density,
     modes_of,
-    pair,
+    pair_density,
     posterior_of,
 )
 from vibrafeed.core.calibrate.prepare import UNITS, choose, prepare
@@ -49,32 +49,36 @@ MAX_STEPS = 40  # evaluations of the residuals, beside those of their derivative
 FAR = 1e3  # residual over error where a motion has no speed
 
 
-def _polished(likelihood: Likelihood, start: Array, size: float, watch: Watch) -> Array:
-    # The best point near `start`, or `start`, by the sum of squares of the residuals of the
-    # measured runs over their standard deviations, `size` that of the discrepancy, and of the
-    # distances from the prior means. Points are values of the unknowns, in the units of studies.
+def _refined_best(likelihood: Likelihood, start: Array, size: float, watch: Watch) -> Array:
+    # Least squares from `start`: residuals of the measured runs over their standard deviations,
+    # that of the discrepancy being `size`, and distances from the prior means. Returns `start` if
+    # that does not lower the sum. Points are values of the unknowns, in the units of studies.
     model = likelihood.model
-    where, quiet = model.runs.measured, Watch(stop=watch.stop, deadline=watch.deadline)
+    where, silent = model.runs.measured, Watch(stop=watch.stop, deadline=watch.deadline)
     if not where.any():
         return start
 
-    def residuals(shares: Array) -> Array:
-        points = model.lower + shares * model.width
-        found = model.predict(points, quiet)
-        residual = found.value[:, where] - model.runs.value[where]
-        variance = found.variance[:, where] + np.square(model.runs.error[where]) + np.square(size)
+    def residuals(fractions: Array) -> Array:
+        points = model.lower + fractions * model.width
+        predicted = model.predict(points, silent)
+        residual = predicted.value[:, where] - model.runs.value[where]
+        variance = (
+            predicted.variance[:, where] + np.square(model.runs.error[where]) + np.square(size)
+        )
         variance = np.where(variance > 0, variance, 1.0)
-        over = np.nan_to_num(residual / np.sqrt(variance), nan=FAR)
-        over = np.copysign(np.sqrt(likelihood.penalty(np.square(over))), over)
-        before = [one.deviations_from_mean(points[:, k]) for k, one in enumerate(model.unknowns)]
-        return np.concatenate([over, np.stack(before, axis=1)], axis=1)
+        scaled = np.nan_to_num(residual / np.sqrt(variance), nan=FAR)
+        scaled = np.copysign(np.sqrt(likelihood.penalty(np.square(scaled))), scaled)
+        from_prior = [
+            unknown.deviations_from_mean(points[:, k]) for k, unknown in enumerate(model.unknowns)
+        ]
+        return np.concatenate([scaled, np.stack(from_prior, axis=1)], axis=1)
 
-    share = np.clip((start - model.lower) / model.width, 1e-9, 1.0 - 1e-9)
-    before = residuals(share[np.newaxis])[0]
+    start_fractions = np.clip((start - model.lower) / model.width, 1e-9, 1.0 - 1e-9)
+    start_residuals = residuals(start_fractions[np.newaxis])[0]
     optimum = scipy.optimize.least_squares(
-        lambda x: residuals(x[np.newaxis])[0],
-        share,
-        jac=lambda share: jacobian(residuals, share, STEP).T,
+        lambda fractions: residuals(fractions[np.newaxis])[0],
+        start_fractions,
+        jac=lambda fractions: jacobian(residuals, fractions, STEP).T,
         bounds=(0.0, 1.0),
         x_scale="jac",
         xtol=1e-12,
@@ -82,7 +86,8 @@ def _polished(likelihood: Likelihood, start: Array, size: float, watch: Watch) -
         gtol=1e-14,
         max_nfev=MAX_STEPS,
     )
-    if not 2.0 * optimum.cost < before @ before:
+    # scipy's cost is half the sum of squares.
+    if not 2.0 * optimum.cost < start_residuals @ start_residuals:
         return start
     return model.lower + optimum.x * model.width
 
@@ -99,31 +104,33 @@ def compute(prepared: Calibration, watch: Watch) -> Computed:
     stops it.
     """
     points = prepared.study.points
-    share = points * len(prepared.model.runs) / prepared.cells
+    fraction = points * len(prepared.model.runs) / prepared.cells  # of the motions
     likelihood = prepared.likelihood
-    explored = explore(likelihood, points, watch.part(share))
+    explored = explore(likelihood, points, watch.part(fraction))
     posterior = posterior_of(likelihood, explored)
     axes = axes_of(posterior)
     arrays = _summary_statistics(prepared, posterior)
-    arrays |= _best(prepared, posterior, axes, watch)
+    arrays |= _best_estimates(prepared, posterior, axes, watch)
     arrays |= _by_run(prepared, posterior, arrays)
     arrays |= _densities(prepared, posterior, axes)
     if prepared.candidates is not None:
         grid = prepared.candidates
-        found = information(prepared.model, posterior, grid, watch.part(1.0 - share))
         shape = tuple(grid.shape.values())
         names = ("information", "expected", "expected_deviation")
-        *densities, left = found
-        arrays |= {name: v.reshape(shape) for name, v in zip(names, densities, strict=True)}
-        for name, share in zip(prepared.model.names, left, strict=True):
-            arrays[f"{LEFT}{name}"] = (share * arrays[f"deviation_{name}"]).reshape(shape)
-    axis = dict(zip(prepared.model.names, axes, strict=True))
-    misfit = _misfit(prepared, arrays, replace(watch, progress=None))
+        *by_candidate, ratios = information(
+            prepared.model, posterior, grid, watch.part(1.0 - fraction)
+        )
+        arrays |= {name: v.reshape(shape) for name, v in zip(names, by_candidate, strict=True)}
+        for name, ratio in zip(prepared.model.names, ratios, strict=True):
+            after = ratio * arrays[f"deviation_{name}"]
+            arrays[f"{DEVIATION_AFTER}{name}"] = after.reshape(shape)
+    coordinates = dict(zip(prepared.model.names, axes, strict=True))
+    misfit = _worst_misfit(prepared, arrays, replace(watch, progress=None))
     notes = {
-        "findings": Findings(prepared, posterior, arrays | axis, misfit).text(),
-        FOLLOWED: f"{explored.points * len(prepared.model.runs) + prepared.asked}",
+        "findings": Findings(prepared, posterior, arrays | coordinates, misfit).text(),
+        FOLLOWED: f"{explored.points * len(prepared.model.runs) + prepared.candidate_motions}",
     }
-    return Computed({name: np.asarray(v) for name, v in (arrays | axis).items()}, notes)
+    return Computed({name: np.asarray(v) for name, v in (arrays | coordinates).items()}, notes)
 
 
 def label(prepared: Calibration, computed: Computed, _: Watch) -> Table:
@@ -134,14 +141,14 @@ def label(prepared: Calibration, computed: Computed, _: Watch) -> Table:
     """
     model, arrays = prepared.model, computed.arrays
     variables = {
-        name: TableVariable(one.dims, arrays[name], one.attributes)
-        for name, one in prepared.variables.items()
+        name: TableVariable(variable.dims, arrays[name], variable.attributes)
+        for name, variable in prepared.variables.items()
     }
     dataset_attributes = {
         **global_attributes(prepared, f"calibration, method {prepared.plan.variant}"),
         "title": prepared.study.title
         or f"What {len(model.runs)} runs say about "
-        + ", ".join(one.label.lower() for one in model.unknowns),
+        + ", ".join(unknown.label.lower() for unknown in model.unknowns),
         "output": model.runs.output,
         "unknowns": " ".join(model.names),
         "findings": computed.notes["findings"],
@@ -156,15 +163,15 @@ DISTANT = 3.5  # errors from what the other runs give: such a run does not fit
 FEWER = 4  # the other runs alone are explored with this fraction (1/4) of the points
 
 
-def _misfit(
+def _worst_misfit(
     prepared: Calibration, arrays: Mapping[str, Array], watch: Watch
 ) -> tuple[int, float, Posterior] | None:
-    # The number of the run with the largest residual, its distance from the value that the other
-    # runs give, and the posterior without it; None if it fits.
+    # The number of the run with the largest residual, its distance in standard deviations from the
+    # value that the other runs predict, and the posterior without it; None if it fits.
     model, likelihood = prepared.model, prepared.likelihood
-    over = np.abs(np.nan_to_num(arrays["residual_over_error"]))
-    run = int(over.argmax())
-    if over[run] < SUSPECT or model.runs.measured.sum() < len(model.unknowns) + 2:
+    relative_residuals = np.abs(np.nan_to_num(arrays["residual_over_error"]))
+    run = int(relative_residuals.argmax())
+    if relative_residuals[run] < SUSPECT or model.runs.measured.sum() < len(model.unknowns) + 2:
         return None
     others = replace(model, runs=model.runs.without(run))
     scatter = Scatter.of(others, wanted=prepared.study.discrepancy)
@@ -173,17 +180,17 @@ def _misfit(
     columns = {name: column[[run]] for name, column in model.runs.columns.items()}
     try:
         posterior = posterior_of(likelihood, explore(likelihood, points, watch))
-        found = others.predict(posterior.ensemble(ENSEMBLE), watch, columns)
-    except StoppedError:  # the estimates of all runs are there
+        predicted = others.predict(posterior.ensemble(ENSEMBLE), watch, columns)
+    except StoppedError:  # the estimates from all runs stand without this check
         return None
-    values = found.value[np.isfinite(found.value)]
+    values = predicted.value[np.isfinite(predicted.value)]
     if not values.size:
         return None
     scatter = posterior.likelihood.scatter
-    spread = values.var() + found.variance.mean() + model.runs.error[run] ** 2
-    spread += posterior.sizes @ np.square(scatter.sizes)
-    away = float(np.abs(model.runs.value[run] - values.mean()) / np.sqrt(spread))
-    return (run + 1, away, posterior) if away > DISTANT else None
+    variance = values.var() + predicted.variance.mean() + model.runs.error[run] ** 2
+    variance += posterior.size_probabilities @ np.square(scatter.sizes)
+    distance = float(np.abs(model.runs.value[run] - values.mean()) / np.sqrt(variance))
+    return (run + 1, distance, posterior) if distance > DISTANT else None
 
 
 def _summary_statistics(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
@@ -192,50 +199,65 @@ def _summary_statistics(prepared: Calibration, posterior: Posterior) -> dict[str
     quantiles = posterior.quantiles(points, (0.5, *SHARES))
     covariance = posterior.covariance()
     deviations = np.sqrt(np.diag(covariance))
-    for k, one in enumerate(model.unknowns):
-        arrays[f"mean_{one.name}"] = posterior.mean(points)[k]
-        arrays[f"median_{one.name}"] = quantiles[0, k]
-        arrays[f"deviation_{one.name}"] = deviations[k]
-        arrays |= {f"{b}_{one.name}": quantiles[1 + n, k] for n, b in enumerate(BANDS)}
-    for j, k in combinations(range(len(model.unknowns)), 2):
-        both = deviations[j] * deviations[k]
-        name = f"correlation_{model.names[j]}_{model.names[k]}"
-        arrays[name] = np.asarray(covariance[j, k] / both if both > 0 else 0.0)
-    sizes, likely = posterior.likelihood.scatter.sizes, posterior.sizes
-    below = np.cumsum(likely) - 0.5 * likely
-    # All the mass that lies on 0 does so, and none of it just above.
-    ends = [
-        0.0 if sizes[0] == 0.0 and share <= likely[0] else np.interp(share, below, sizes)
-        for share in (0.5, *SHARES)
+    for position, unknown in enumerate(model.unknowns):
+        arrays[f"mean_{unknown.name}"] = posterior.mean(points)[position]
+        arrays[f"median_{unknown.name}"] = quantiles[0, position]
+        arrays[f"deviation_{unknown.name}"] = deviations[position]
+        arrays |= {
+            f"{band}_{unknown.name}": quantiles[1 + column, position]
+            for column, band in enumerate(BANDS)
+        }
+    for first, second in combinations(range(len(model.unknowns)), 2):
+        product = deviations[first] * deviations[second]
+        name = f"correlation_{model.names[first]}_{model.names[second]}"
+        arrays[name] = np.asarray(covariance[first, second] / product if product > 0 else 0.0)
+    sizes, probabilities = posterior.likelihood.scatter.sizes, posterior.size_probabilities
+    cumulative = np.cumsum(probabilities) - 0.5 * probabilities
+    # The mass of size 0 is a point mass: quantiles within it are 0, not interpolated.
+    quantile_sizes = [
+        0.0
+        if sizes[0] == 0.0 and fraction <= probabilities[0]
+        else np.interp(fraction, cumulative, sizes)
+        for fraction in (0.5, *SHARES)
     ]
-    arrays["discrepancy"] = np.asarray(ends[0])
-    arrays |= {f"discrepancy_{b}": np.asarray(end) for b, end in zip(BANDS, ends[1:], strict=True)}
-    arrays["discrepancy_probability"] = np.asarray(likely[sizes > 0].sum())
+    arrays["discrepancy"] = np.asarray(quantile_sizes[0])
+    arrays |= {
+        f"discrepancy_{band}": np.asarray(size)
+        for band, size in zip(BANDS, quantile_sizes[1:], strict=True)
+    }
+    arrays["discrepancy_probability"] = np.asarray(probabilities[sizes > 0].sum())
     return arrays
 
 
-def _best(
+def _best_estimates(
     prepared: Calibration, posterior: Posterior, axes: list[Array], watch: Watch
 ) -> dict[str, Array]:
     model, sizes = prepared.model, posterior.likelihood.scatter.sizes
-    size = float(np.sqrt(posterior.sizes @ np.square(sizes)))
-    if model.runs.errors_known and posterior.sizes[0] > 0.5:
+    size = float(np.sqrt(posterior.size_probabilities @ np.square(sizes)))
+    # A discrepancy that is more probably absent does not count.
+    if model.runs.errors_known and posterior.size_probabilities[0] > 0.5:
         size = 0.0
     modes = modes_of(posterior, axes)
-    polished = np.array([_polished(posterior.likelihood, mode.best, size, watch) for mode in modes])
+    refined = np.array(
+        [_refined_best(posterior.likelihood, mode.best, size, watch) for mode in modes]
+    )
     likelihood = posterior.likelihood
-    found = likelihood.model.predict(polished, Watch())
-    log = likelihood.log(found.value, found.variance, likelihood.shown(found), polished)
-    likely = polished[np.argmax(log_sum(log))]
+    predicted = likelihood.model.predict(refined, Watch())
+    log = likelihood.log(
+        predicted.value, predicted.variance, likelihood.seen_fraction(predicted), refined
+    )
+    most_probable = refined[np.argmax(log_sum(log))]
     arrays: dict[str, Array] = {"mode_share": np.array([mode.share for mode in modes])}
-    arrays |= {f"mode_{name}": polished[:, k] for k, name in enumerate(model.names)}
-    arrays |= {f"best_{name}": likely[k] for k, name in enumerate(model.names)}
+    arrays |= {f"mode_{name}": refined[:, k] for k, name in enumerate(model.names)}
+    arrays |= {f"best_{name}": most_probable[k] for k, name in enumerate(model.names)}
     return arrays
 
 
 def _by_run(
     prepared: Calibration, posterior: Posterior, arrays: Mapping[str, Array]
 ) -> dict[str, Array]:
+    # Measured and predicted value of each run, and its residual over the standard deviation of
+    # both.
     model = prepared.model
     runs = model.runs
     best = np.array([[float(arrays[f"best_{name}"]) for name in model.names]])
@@ -243,7 +265,7 @@ def _by_run(
     bands = posterior.quantiles(posterior.value, SHARES)
     spread = np.sqrt(predicted.variance[0])
     residual = runs.value - predicted.value[0]
-    whole = np.sqrt(
+    deviation = np.sqrt(
         np.square(runs.error) + predicted.variance[0] + np.square(arrays["discrepancy"])
     )
     by_run: dict[str, Array] = {
@@ -251,26 +273,32 @@ def _by_run(
         "error": np.where(runs.measured & (runs.error > 0), runs.error, np.nan),
         "predicted": posterior.mean(posterior.value),
         "predicted_best": predicted.value[0],
-        **{f"predicted_{band}": bands[n] for n, band in enumerate(BANDS)},
+        **{f"predicted_{band}": bands[number] for number, band in enumerate(BANDS)},
         "predicted_spread": spread,
         "residual": residual,
         "residual_over_error": np.divide(
-            residual, whole, out=np.full(len(runs), np.nan), where=whole > 0
+            residual, deviation, out=np.full(len(runs), np.nan), where=deviation > 0
         ),
     }
     if runs.watched.any():
-        seen = np.full(len(runs), np.nan)
-        seen[runs.watched] = posterior.mean(posterior.shown)
-        by_run["probability_of_seen"] = seen
+        probability = np.full(len(runs), np.nan)
+        probability[runs.watched] = posterior.mean(posterior.seen_fraction)
+        by_run["probability_of_seen"] = probability
     return by_run
 
 
 def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -> dict[str, Array]:
+    # The density of each unknown, of pairs of them, and the joint density on a grid.
     names = prepared.model.names
-    densities = {f"density_{name}": marginal(posterior, axes[k], k) for k, name in enumerate(names)}
-    for one, other in prepared.pairs:
-        j, k = names.index(one), names.index(other)
-        densities[f"density_{one}_{other}"] = pair(posterior, axes, j, k)
+    densities = {
+        f"density_{name}": marginal_density(posterior, axes[position], position)
+        for position, name in enumerate(names)
+    }
+    for first, second in prepared.pairs:
+        first_axis, second_axis = names.index(first), names.index(second)
+        densities[f"density_{first}_{second}"] = pair_density(
+            posterior, axes, first_axis, second_axis
+        )
     densities["log_density"] = log_density(posterior, axes)
     return densities
 
@@ -278,12 +306,15 @@ def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -
 def _coordinates(
     prepared: Calibration, arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, TableVariable]:
+    # Axes of the densities, numbers of runs and modes, columns of the runs, candidates, parameters.
     model = prepared.model
     coordinates = {
-        one.name: TableVariable(
-            (one.name,), arrays[one.name], {"units": one.unit, "long_name": one.label}
+        unknown.name: TableVariable(
+            (unknown.name,),
+            arrays[unknown.name],
+            {"units": unknown.unit, "long_name": unknown.label},
         )
-        for one in model.unknowns
+        for unknown in model.unknowns
     }
     numbers = np.arange(1.0, len(model.runs) + 1.0)
     coordinates[RUN] = TableVariable((RUN,), numbers, {"units": "1", "long_name": "Run"})
@@ -294,14 +325,18 @@ def _coordinates(
     if prepared.candidates is not None:
         for name in prepared.candidates.axes:
             values = prepared.candidates.coordinate(name)
-            key = CANDIDATE + name
-            coordinates[key] = TableVariable((key,), values, quantity_attributes(name))
+            candidate = CANDIDATE + name
+            coordinates[candidate] = TableVariable((candidate,), values, quantity_attributes(name))
         for name, paired in prepared.candidates.paired.items():
             coordinates[CANDIDATE + name] = TableVariable(
                 (CANDIDATE + DESIGN,), paired.array(), quantity_attributes(name)
             )
-    known = {n: v for n, v in model.shared.items() if n not in {u.name for u in model.unknowns}}
-    for name, value in known.items():
+    fixed_parameters = {
+        parameter: number
+        for parameter, number in model.shared.items()
+        if parameter not in {unknown.name for unknown in model.unknowns}
+    }
+    for name, value in fixed_parameters.items():
         coordinates[name] = TableVariable((), np.asarray(value), quantity_attributes(name))
     return coordinates
 

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from vibrafeed.core.calibrate.calibration import LEFT, Calibration, columns_of
+from vibrafeed.core.calibrate.calibration import DEVIATION_AFTER, Calibration, columns_of
 from vibrafeed.core.calibrate.model import Unknown
 from vibrafeed.core.calibrate.posterior import Posterior
 from vibrafeed.core.mechanics.arrays import Array
@@ -81,25 +81,25 @@ class Findings:
     def text(self) -> str:
         """Return all findings as sentences, one per line, the most important first."""
         sentences = [
-            *self._explained(),
+            *self._trustworthiness(),
             *self._estimates(),
             *self._modes(),
-            *self._alone(),
-            *self._bounds(),
+            *self._undetermined(),
+            *self._unknowns_at_bounds(),
             *self._scatter(),
             *self._misfit(),
-            *self._far(),
-            *self._next(),
+            *self._outlying_runs(),
+            *self._next_measurement(),
         ]
         return "\n".join(f"{sentence}." for sentence in sentences)
 
     def _value(self, name: str) -> float:
         return float(self.arrays[name])
 
-    def _explained(self) -> Iterator[str]:
+    def _trustworthiness(self) -> Iterator[str]:
         if not np.isfinite(self.posterior.explored.log_mass.max()):
             yield "No values of the unknowns explain the observations: widen their ranges"
-        if self.posterior.explored.left > 0.3:
+        if self.posterior.explored.remaining_score > 0.3:
             yield (
                 f"The grid of {self.posterior.explored.points:,} points is too coarse for these "
                 "runs: give more points"
@@ -111,12 +111,12 @@ class Findings:
             deviation = self._value(f"deviation_{unknown.name}")
             best, low, high = (
                 format_rounded(
-                    self._value(f"{what}_{unknown.name}"), deviation, unknown.unit, self.units
+                    self._value(f"{estimate}_{unknown.name}"), deviation, unknown.unit, self.units
                 )
-                for what in ("best", "lower_95", "upper_95")
+                for estimate in ("best", "lower_95", "upper_95")
             )
-            told_best = "" if several or unknown.name in self.unsettled else f"best {best}; "
-            yield f"{unknown.label} ({unknown.name}): {told_best}{low} to {high} with 95 %"
+            shown_best = "" if several or unknown.name in self.unsettled else f"best {best}; "
+            yield f"{unknown.label} ({unknown.name}): {shown_best}{low} to {high} with 95 %"
 
     def _modes(self) -> Iterator[str]:
         shares = self.arrays["mode_share"]
@@ -136,8 +136,8 @@ class Findings:
         if len(self.arrays["mode_share"]) > 1:
             return {}
         pairs = combinations(enumerate(self.model.unknowns), 2)
-        sentences = {(one.name, other.name): self._pair(one, other, j, k)
-                for (j, one), (k, other) in pairs}  # fmt: skip
+        sentences = {(first.name, second.name): self._pair(first, second, j, k)
+                for (j, first), (k, second) in pairs}  # fmt: skip
         return {names: sentence for names, sentence in sentences.items() if sentence}
 
     @property
@@ -145,29 +145,32 @@ class Findings:
         """The unknowns that the runs cannot separate from others: their best values mean little."""
         return {name for names in self._pairs for name in names}
 
-    def _alone(self) -> Iterator[str]:
+    def _undetermined(self) -> Iterator[str]:
         yield from self._pairs.values()
-        for one in self.model.unknowns:
-            deviation = self._value(f"deviation_{one.name}")
-            if one.name not in self.unsettled and deviation > HARDLY * _deviation_before(one):
-                yield f"The runs say next to nothing about {one.name}: it is as it was given"
+        for unknown in self.model.unknowns:
+            deviation = self._value(f"deviation_{unknown.name}")
+            if unknown.name not in self.unsettled and deviation > HARDLY * _deviation_before(
+                unknown
+            ):
+                yield f"The runs say next to nothing about {unknown.name}: it is as it was given"
 
     def _pair(self, unknown: Unknown, other: Unknown, j: int, k: int) -> str:
         points, weights = self.posterior.points, self.posterior.weights
         correlation = self._value(f"correlation_{unknown.name}_{other.name}")
+        # A ratio or product that varies much less than either is all that the runs determine.
         if min(unknown.lower, other.lower) > 0:
             logs = [np.log(points[:, j]), np.log(points[:, k])]
-            wide = min(_deviation(log, weights) for log in logs)
+            least_deviation = min(_deviation(log, weights) for log in logs)
             for sign, word, mark in ((-1.0, "ratio", "/"), (1.0, "product", "*")):
                 joint = logs[0] + sign * logs[1]
-                if _deviation(joint, weights) < ALIKE * wide:
-                    least, middle, most = np.exp(
+                if _deviation(joint, weights) < ALIKE * least_deviation:
+                    lower, middle, upper = np.exp(
                         self.posterior.quantiles(joint, (0.025, 0.5, 0.975))
                     )
                     unit = _joint_unit(unknown.unit, other.unit, mark)
                     return (
                         f"The runs determine only the {word} {unknown.name} {mark} {other.name}, "
-                        f"{middle:.4g}{unit} ({least:.4g} to {most:.4g} with 95 %); what "
+                        f"{middle:.4g}{unit} ({lower:.4g} to {upper:.4g} with 95 %); what "
                         f"{unknown.name} and {other.name} are by themselves the data cannot settle"
                     )
         if abs(correlation) > TOGETHER:
@@ -178,18 +181,20 @@ class Findings:
             )
         return ""
 
-    def _bounds(self) -> Iterator[str]:
+    def _unknowns_at_bounds(self) -> Iterator[str]:
         for unknown in self.model.unknowns:
-            least = HARDLY * _deviation_before(unknown)
-            if (
-                isinstance(unknown.prior, Normal)
-                or not self._value(f"deviation_{unknown.name}") < least
-            ):
+            is_determined = self._value(f"deviation_{unknown.name}") < (
+                HARDLY * _deviation_before(unknown)
+            )
+            if isinstance(unknown.prior, Normal) or not is_determined:
                 continue
             axis, density = self.arrays[unknown.name], self.arrays[f"density_{unknown.name}"]
-            for end, bound, word in ((0, unknown.lower, "lower"), (-1, unknown.upper, "upper")):
-                near = abs(axis[end] - bound) < 1e-9 * unknown.width
-                if near and density[end] > AT_BOUND * density.max():
+            for position, bound, word in (
+                (0, unknown.lower, "lower"),
+                (-1, unknown.upper, "upper"),
+            ):
+                is_at_bound = abs(axis[position] - bound) < 1e-9 * unknown.width
+                if is_at_bound and density[position] > AT_BOUND * density.max():
                     value = in_unit(bound, unknown.unit, self.units)
                     beyond = f"its {word} bound, {value}: widen its range"
                     yield f"{unknown.name} may lie beyond {beyond}"
@@ -201,88 +206,96 @@ class Findings:
             return
         size = in_unit(self._value("discrepancy"), self.output.unit, self.units)
         rms = float(np.sqrt(np.nanmean(np.square(self.arrays["residual"]))))
-        left = in_unit(rms, self.output.unit, self.units, 4)
+        residual = in_unit(rms, self.output.unit, self.units, 4)
         if not runs.errors_known:
             yield (
-                f"The best values leave residuals of {left} (rms); no errors were given to explain "
-                "them"
+                f"The best values leave residuals of {residual} (rms); no errors were given to "
+                "explain them"
             )
             return
-        likely = self._value("discrepancy_probability")
-        if likely < 0.5:
-            yield f"Their errors explain what was measured; the residuals are {left} (rms)"
+        probability = self._value("discrepancy_probability")
+        if probability < 0.5:
+            yield f"Their errors explain what was measured; the residuals are {residual} (rms)"
         else:
             yield (
                 f"The measured values scatter by some {size} beyond their errors "
-                f"({100 * likely:.0f} % likely), which no unknown explains"
+                f"({100 * probability:.0f} % likely), which no unknown explains"
             )
 
     def _misfit(self) -> Iterator[str]:
         if self.misfit is None:
             return
-        run, away, posterior = self.misfit
-        ends = posterior.quantiles(posterior.points, (0.5, 0.025, 0.975))
+        run, distance, posterior = self.misfit
+        quantiles = posterior.quantiles(posterior.points, (0.5, 0.025, 0.975))
         deviations = np.sqrt(np.diag(posterior.covariance()))
         without = []
-        for k, one in enumerate(self.model.unknowns):
+        for k, unknown in enumerate(self.model.unknowns):
             middle, low, high = (
-                format_rounded(float(end), deviations[k], one.unit, self.units)
-                for end in ends[:, k]
+                format_rounded(float(quantile), deviations[k], unknown.unit, self.units)
+                for quantile in quantiles[:, k]
             )
-            without.append(f"{one.name} is {middle} ({low} to {high} with 95 %)")
+            without.append(f"{unknown.name} is {middle} ({low} to {high} with 95 %)")
         yield (
-            f"Run {run} does not fit: it is {away:.1f} errors from what the other runs give. "
+            f"Run {run} does not fit: it is {distance:.1f} errors from what the other runs give. "
             f"Without it {', '.join(without)}"
         )
 
-    def _far(self) -> Iterator[str]:
-        over = np.abs(np.nan_to_num(self.arrays["residual_over_error"]))
-        far = [f"{k + 1} ({over[k]:.1f} errors)" for k in np.argsort(-over) if over[k] > FAR]
+    def _outlying_runs(self) -> Iterator[str]:
+        relative = np.abs(np.nan_to_num(self.arrays["residual_over_error"]))
+        far = [
+            f"{k + 1} ({relative[k]:.1f} errors)"
+            for k in np.argsort(-relative)
+            if relative[k] > FAR
+        ]
         if far:
             yield f"Far from the best fit: run {', '.join(far[:5])}"
-        seen = self.arrays.get("probability_of_seen")
-        if seen is not None:
-            odd = [f"{k + 1} ({self.model.runs.seen[k]})" for k in np.flatnonzero(seen < 0.1)]
-            if odd:
-                yield f"Not as it was seen: run {', '.join(odd[:5])}"
+        probability = self.arrays.get("probability_of_seen")
+        if probability is not None:
+            unexpected = [
+                f"{k + 1} ({self.model.runs.seen[k]})" for k in np.flatnonzero(probability < 0.1)
+            ]
+            if unexpected:
+                yield f"Not as it was seen: run {', '.join(unexpected[:5])}"
 
-    def _next(self) -> Iterator[str]:
+    def _next_measurement(self) -> Iterator[str]:
         grid = self.prepared.candidates
         if grid is None:
             return
         gain = self.arrays["information"].ravel()
         best = int(np.argmax(gain))
         values = {name: column[best] for name, column in columns_of(grid).items()}
-        drive = ", ".join(
+        parameters = ", ".join(
             f"{name} {in_unit(value, QUANTITIES[name].unit, self.units)}"
             for name, value in values.items()
             if name in grid.along or len(grid.axes) == 0
         )
-        narrower = self._narrower(best)
+        interval = self._narrowed_interval(best)
         if gain[best] < LITTLE:
-            yield f"No candidate would add much: after the best of them {narrower}"
+            yield f"No candidate would add much: after the best of them {interval}"
             return
         expected, spread = (
-            in_unit(self.arrays[n].ravel()[best], self.output.unit, self.units)
-            for n in ("expected", "expected_deviation")
+            in_unit(self.arrays[statistic].ravel()[best], self.output.unit, self.units)
+            for statistic in ("expected", "expected_deviation")
         )
         yield (
-            f"Measure next at {drive}, where {expected} +- {spread} is to be expected: after it "
-            f"{narrower}"
+            f"Measure next at {parameters}, where {expected} +- {spread} is to be expected: after "
+            f"it {interval}"
         )
 
-    def _narrower(self, candidate: int) -> str:
-        shares = {
-            narrowest: self.arrays[f"{LEFT}{narrowest.name}"].ravel()[candidate]
-            / self._value(f"deviation_{narrowest.name}")
-            for narrowest in self.model.unknowns
+    def _narrowed_interval(self, candidate: int) -> str:
+        ratios = {
+            unknown: self.arrays[f"{DEVIATION_AFTER}{unknown.name}"].ravel()[candidate]
+            / self._value(f"deviation_{unknown.name}")
+            for unknown in self.model.unknowns
         }
-        narrowest = min(shares, key=lambda unknown: shares[unknown])
-        now = self._value(f"upper_95_{narrowest.name}") - self._value(f"lower_95_{narrowest.name}")
-        wide = in_unit(now, narrowest.unit, self.units, 2)
-        left = in_unit(now * float(shares[narrowest]), narrowest.unit, self.units, 2)
+        narrowest = min(ratios, key=lambda unknown: ratios[unknown])
+        width = self._value(f"upper_95_{narrowest.name}") - self._value(
+            f"lower_95_{narrowest.name}"
+        )
+        now = in_unit(width, narrowest.unit, self.units, 2)
+        after = in_unit(width * float(ratios[narrowest]), narrowest.unit, self.units, 2)
         return (
-            f"the 95 % interval of {narrowest.name} is expected to be {left} wide, and not {wide}"
+            f"the 95 % interval of {narrowest.name} is expected to be {after} wide, and not {now}"
         )
 
 

@@ -96,15 +96,16 @@ class Unknown:
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
+        # The bounds between which the unknown is sought.
         if not isinstance(self.prior, Normal):
             return self.prior.lower, self.prior.upper
         quantity = quantity_of(self.table, self.parameter)
         lower, upper = self.prior.within(quantity)
         mean, deviation = self.prior.mean, self.prior.deviation
-        if quantity.strict and lower == quantity.lower:
+        if quantity.strict and lower == quantity.lower:  # the bound itself is no value
             lower += NEXT_TO * deviation
-        far = MAX_DEVIATIONS * deviation
-        return max(lower, mean - far), min(upper, mean + far)
+        reach = MAX_DEVIATIONS * deviation
+        return max(lower, mean - reach), min(upper, mean + reach)
 
     def deviations_from_mean(self, values: Array) -> Array:
         """Return the distance of values from the prior mean, in standard deviations.
@@ -234,17 +235,17 @@ class Model:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the unknowns."""
-        return tuple(one.name for one in self.unknowns)
+        return tuple(unknown.name for unknown in self.unknowns)
 
     @property
     def lower(self) -> Array:
         """The lower bounds of the unknowns, shape (unknowns,)."""
-        return np.array([one.lower for one in self.unknowns])
+        return np.array([unknown.lower for unknown in self.unknowns])
 
     @property
     def width(self) -> Array:
         """The distance between the bounds of each unknown, shape (unknowns,)."""
-        return np.array([one.width for one in self.unknowns])
+        return np.array([unknown.width for unknown in self.unknowns])
 
     def predict(
         self, points: Array, watch: Watch, columns: Mapping[str, Array] | None = None
@@ -254,34 +255,37 @@ class Model:
         Points are simulated in groups of about `CELLS_AT_A_TIME` motions, as a bound on memory.
         """
         columns = self.runs.columns if columns is None else columns
-        count = max((values.size for values in columns.values()), default=1)
-        step = max(1, CELLS_AT_A_TIME // count)
+        runs = max((values.size for values in columns.values()), default=1)
+        points_at_a_time = max(1, CELLS_AT_A_TIME // runs)
         parts = []
-        for start in range(0, len(points), step):
-            some = points[start : start + step]
-            parts.append(self._predict(some, count, columns, watch.part(len(some) / len(points))))
+        for start in range(0, len(points), points_at_a_time):
+            chunk = points[start : start + points_at_a_time]
+            parts.append(self._predict(chunk, runs, columns, watch.part(len(chunk) / len(points))))
             watch.check()
         return Predicted._make(np.concatenate(part) for part in zip(*parts, strict=True))
 
     def _predict(
-        self, points: Array, count: int, columns: Mapping[str, Array], watch: Watch
+        self, points: Array, runs: int, columns: Mapping[str, Array], watch: Watch
     ) -> Predicted:
-        given = self._parameters(points, columns)
+        parameters = self._parameters(points, columns)
         with np.errstate(all="ignore"):
-            known = run_equations(self.plan, {n: given[n] for n in self.plan.parameters}, watch)
-            shape = (len(points), count)
+            results = run_equations(
+                self.plan, {n: parameters[n] for n in self.plan.parameters}, watch
+            )
+            shape = (len(points), runs)
             if self.runs.output == AMPLITUDE:  # closed forms of the unit, without any part
-                value, never = np.broadcast_to(known[AMPLITUDE], shape), np.zeros(shape, np.bool_)
-                return Predicted(value, np.zeros(shape), never, never)
+                value = np.broadcast_to(results[AMPLITUDE], shape)
+                nowhere = np.zeros(shape, np.bool_)
+                return Predicted(value, np.zeros(shape), nowhere, nowhere)
             speed = self.runs.speed
-            velocity = known[speed]
-            variance = sum(np.square(known[name]) for name in SPEEDS[speed])
+            velocity = results[speed]
+            variance = sum(np.square(results[name]) for name in SPEEDS[speed])
             scale: Array | float = 1.0
             if self.runs.output == "feed_rate":
                 scale = feed_rate(
                     conveying_velocity=np.asarray(1.0),
-                    length=known["length"],
-                    occupancy=known["occupancy"],
+                    length=results["length"],
+                    occupancy=results["occupancy"],
                 )
             value, variance = velocity * scale, variance * np.square(scale)
         return Predicted(
@@ -290,24 +294,29 @@ class Model:
                 for field in (
                     value,
                     np.where(np.isfinite(variance), variance, 0.0),
-                    known["flight_fraction"] > 0,
-                    known["stick_fraction"] == 1.0,
+                    results["flight_fraction"] > 0,
+                    results["stick_fraction"] == 1.0,
                 )
             )
         )
 
     def _parameters(self, points: Array, columns: Mapping[str, Array]) -> dict[str, Array]:
-        known: dict[str, Array] = {name: np.asarray(value) for name, value in self.shared.items()}
-        known |= {name: values[np.newaxis] for name, values in columns.items()}
+        # All parameters, SI units, of shape (points, runs) or broadcastable to it.
+        parameters: dict[str, Array] = {
+            name: np.asarray(value) for name, value in self.shared.items()
+        }
+        parameters |= {name: values[np.newaxis] for name, values in columns.items()}
         for k, unknown in enumerate(self.unknowns):
             column = points[:, k : k + 1]
             if unknown.table == "unknowns":
-                known[unknown.parameter] = column
+                parameters[unknown.parameter] = column
             elif unknown.table == "offsets":
-                known[unknown.parameter] = known[unknown.parameter] + column
+                parameters[unknown.parameter] = parameters[unknown.parameter] + column
             else:
-                known[unknown.parameter] = known[unknown.parameter] * column
-        return {name: parameter_to_si(name, np.asarray(value)) for name, value in known.items()}
+                parameters[unknown.parameter] = parameters[unknown.parameter] * column
+        return {
+            name: parameter_to_si(name, np.asarray(value)) for name, value in parameters.items()
+        }
 
     def log_prior(self, points: Array) -> Array:
         """Return the logarithm of the prior density at points, up to a constant, shape (points,).
@@ -316,10 +325,10 @@ class Model:
         minus infinity where kinetic friction would exceed static friction.
         """
         log: Array = np.zeros(len(points))
-        for k, one in enumerate(self.unknowns):
-            log = log + one.log_prior(points[:, k])
-        known = {**self.shared, **dict(zip(self.names, points.T, strict=True))}
-        static, kinetic = map(known.get, STATIC_ABOVE_KINETIC.parameters)
+        for k, unknown in enumerate(self.unknowns):
+            log = log + unknown.log_prior(points[:, k])
+        parameters = {**self.shared, **dict(zip(self.names, points.T, strict=True))}
+        static, kinetic = map(parameters.get, STATIC_ABOVE_KINETIC.parameters)
         if static is not None and kinetic is not None:
             log = np.where(static >= kinetic, log, -np.inf)
         return log

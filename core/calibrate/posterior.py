@@ -15,7 +15,7 @@ from vibrafeed.core.calibrate.boxes import (
     PosteriorBoxes,
     log_sum,
     points_of,
-    shares_of,
+    weights_from_logs,
 )
 from vibrafeed.core.mechanics.arrays import Array
 
@@ -52,11 +52,11 @@ class Posterior:
         They add up to 1.
     value, variance : ndarray, shape (points, runs)
         Predicted values of the runs and their variances, by the slopes of the boxes.
-    shown : ndarray, shape (points, watched runs)
-        The share of the box in which the part does what was seen.
+    seen_fraction : ndarray, shape (points, watched runs)
+        The fraction of the box in which the part does what was seen.
     log : ndarray, shape (points,)
         Logarithms of the density, but for a constant.
-    sizes : ndarray, shape (sizes,)
+    size_probabilities : ndarray, shape (sizes,)
         Probability of each size of the discrepancy.
     """
 
@@ -66,18 +66,18 @@ class Posterior:
     weights: Array
     value: Array
     variance: Array
-    shown: Array
+    seen_fraction: Array
     log: Array
-    sizes: Array
+    size_probabilities: Array
 
-    def quantiles(self, values: Array, shares: Sequence[float]) -> Array:
-        """Return quantiles of values over the posterior, shape (shares, ...).
+    def quantiles(self, values: Array, fractions: Sequence[float]) -> Array:
+        """Return quantiles of values over the posterior, shape (fractions, ...).
 
-        `values` has the points along its first axis; `shares` are the shares of the mass below.
+        `values` has the points along its first axis; `fractions` are of the mass below.
         """
         columns = values.reshape(len(values), -1)
-        found = [weighted_quantiles(column, self.weights, shares) for column in columns.T]
-        return np.stack(found, axis=-1).reshape(len(shares), *values.shape[1:])
+        quantiles = [weighted_quantiles(column, self.weights, fractions) for column in columns.T]
+        return np.stack(quantiles, axis=-1).reshape(len(fractions), *values.shape[1:])
 
     def mean(self, values: Array) -> Array:
         """Return the posterior mean of values, which have the points along their first axis."""
@@ -85,8 +85,8 @@ class Posterior:
 
     def covariance(self) -> Array:
         """Return the covariance matrix of the unknowns, shape (unknowns, unknowns)."""
-        away = self.points - self.mean(self.points)
-        return np.einsum("p,pi,pj->ij", self.weights, away, away)
+        deviations = self.points - self.mean(self.points)
+        return np.einsum("p,pi,pj->ij", self.weights, deviations, deviations)
 
     def ensemble(self, count: int) -> Array:
         """Return points of equal weight that represent the posterior, shape (count, unknowns).
@@ -94,10 +94,10 @@ class Posterior:
         They are taken at equal steps of the cumulated weights of the points, sorted by their
         unknowns; in the units of studies. Further runs are predicted at them.
         """
-        places = (np.arange(count) + 0.5) / count
+        cumulative = (np.arange(count) + 0.5) / count
         order = np.lexsort(self.points.T)
-        chosen = np.searchsorted(np.cumsum(self.weights[order]), places)
-        return np.asarray(self.points[order[np.minimum(chosen, len(order) - 1)]])
+        positions = np.searchsorted(np.cumsum(self.weights[order]), cumulative)
+        return np.asarray(self.points[order[np.minimum(positions, len(order) - 1)]])
 
 
 def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
@@ -107,43 +107,57 @@ def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
     motion is simulated here.
     """
     boxes, log_mass = explored.boxes, explored.log_mass
-    boxes = boxes.only(shares_of(log_mass) > NEGLIGIBLE / len(boxes))
-    most = min(POINTS, max(2_000, MAX_NUMBERS // max(1, boxes.value.shape[1])))
-    each = int(np.clip(most // len(boxes), 1, 512))
-    likelihood = replace(likelihood, scatter=likelihood.scatter.finer(explored.sizes))
-    share, where = _within(boxes, each)
-    value = boxes.value[where] + np.einsum("prk,pk->pr", boxes.slope[where], share)
-    points = points_of(likelihood, boxes.centre[where] + share)
-    variance = (boxes.variance + boxes.rough)[where]
-    shown = boxes.shown[where]
-    log = likelihood.log(value, variance, shown, points)
-    density = log_sum(log)
-    weights = shares_of(density + boxes.log_volume[where])
-    known = np.isfinite(density)
-    sizes = weights[known] @ np.exp(log[known] - density[known, np.newaxis])
-    return Posterior(likelihood, explored, points, weights, value, variance, shown, density, sizes)
+    boxes = boxes.only(weights_from_logs(log_mass) > NEGLIGIBLE / len(boxes))
+    max_points = min(POINTS, max(2_000, MAX_NUMBERS // max(1, boxes.value.shape[1])))
+    per_box = int(np.clip(max_points // len(boxes), 1, 512))
+    likelihood = replace(likelihood, scatter=likelihood.scatter.finer(explored.size_probabilities))
+    offsets, box = _offsets_in_boxes(boxes, per_box)
+    value = boxes.value[box] + np.einsum("prk,pk->pr", boxes.slope[box], offsets)
+    points = points_of(likelihood, boxes.centre[box] + offsets)
+    variance = (boxes.variance + boxes.curvature_variance)[box]
+    seen_fraction = boxes.seen_fraction[box]
+    log = likelihood.log(value, variance, seen_fraction, points)
+    log_density = log_sum(log)  # over the sizes of the discrepancy
+    weights = weights_from_logs(log_density + boxes.log_volume[box])
+    finite = np.isfinite(log_density)
+    size_probabilities = weights[finite] @ np.exp(log[finite] - log_density[finite, np.newaxis])
+    return Posterior(
+        likelihood,
+        explored,
+        points,
+        weights,
+        value,
+        variance,
+        seen_fraction,
+        log_density,
+        size_probabilities,
+    )
 
 
-def _within(boxes: PosteriorBoxes, each: int) -> tuple[Array, NDArray[np.int64]]:
-    count = boxes.centre.shape[1]
-    if each == 1:
-        return np.zeros((len(boxes), count)), np.arange(len(boxes))
+def _offsets_in_boxes(boxes: PosteriorBoxes, per_box: int) -> tuple[Array, NDArray[np.int64]]:
+    # Offsets of `per_box` points in each box from its centre, and the number of each point's box.
+    unknowns = boxes.centre.shape[1]
+    if per_box == 1:
+        return np.zeros((len(boxes), unknowns)), np.arange(len(boxes))
     random = np.random.default_rng(0)
-    even = scipy.stats.qmc.Sobol(count, seed=0).random(1 << int(np.ceil(np.log2(each))))[:each]
-    share = (even + random.random((len(boxes), 1, count))) % 1.0 - 0.5
-    share = share * boxes.width[:, np.newaxis, np.newaxis]
-    return share.reshape(-1, count), np.repeat(np.arange(len(boxes)), each)
+    sobol = scipy.stats.qmc.Sobol(unknowns, seed=0).random(1 << int(np.ceil(np.log2(per_box))))[
+        :per_box
+    ]
+    # The same Sobol points in every box, each time shifted at random (modulo 1).
+    offsets = (sobol + random.random((len(boxes), 1, unknowns))) % 1.0 - 0.5
+    offsets = offsets * boxes.width[:, np.newaxis, np.newaxis]
+    return offsets.reshape(-1, unknowns), np.repeat(np.arange(len(boxes)), per_box)
 
 
-def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
+def weighted_quantiles(values: Array, weights: Array, fractions: Sequence[float]) -> Array:
     """Return quantiles of weighted values, such as medians and bounds of a posterior."""
     order = np.argsort(values)
     order = order[np.isfinite(values[order])]
     values, weights = values[order], weights[order]
     if not weights.sum() > 0:
-        return np.full(len(shares), np.nan)
-    below = np.cumsum(weights) - 0.5 * weights
-    return np.interp(np.asarray(shares) * weights.sum(), below, values)
+        return np.full(len(fractions), np.nan)
+    cumulative = np.cumsum(weights) - 0.5 * weights
+    return np.interp(np.asarray(fractions) * weights.sum(), cumulative, values)
 
 
 def axes_of(posterior: Posterior) -> list[Array]:
@@ -158,8 +172,8 @@ def axes_of(posterior: Posterior) -> list[Array]:
     axes = []
     for k, unknown in enumerate(model.unknowns):
         low, high = ends[:, k]
-        more = BEYOND * (high - low)
-        low, high = max(low - more, unknown.lower), min(high + more, unknown.upper)
+        margin = BEYOND * (high - low)
+        low, high = max(low - margin, unknown.lower), min(high + margin, unknown.upper)
         if not high - low > 1e-9 * unknown.width:
             middle = 0.5 * (low + high)
             low, high = middle - 1e-6 * unknown.width, middle + 1e-6 * unknown.width
@@ -178,82 +192,88 @@ def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
     model = likelihood.model
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     points = grid.reshape(-1, len(axes))
-    share = np.clip((points - model.lower) / model.width, 0.0, 1.0 - 1e-15)
-    where = _box_of(boxes, share)
-    whole = np.empty(len(points))
-    step = max(1, MAX_NUMBERS // max(1, boxes.value.shape[1]))
-    for start in range(0, len(points), step):
-        some = slice(start, start + step)
-        at = where[some]
-        away = share[some] - boxes.centre[at]
-        value = boxes.value[at] + np.einsum("prk,pk->pr", boxes.slope[at], away)
-        variance = (boxes.variance + boxes.rough)[at]
-        whole[some] = log_sum(likelihood.log(value, variance, boxes.shown[at], points[some]))
-    top = whole.max()
-    whole = np.maximum(whole - (top if np.isfinite(top) else 0.0), LEAST_LOG)
-    return whole.reshape(grid.shape[:-1])
+    fractions = np.clip((points - model.lower) / model.width, 0.0, 1.0 - 1e-15)
+    box = _box_numbers_of(boxes, fractions)
+    logs = np.empty(len(points))
+    points_per_chunk = max(1, MAX_NUMBERS // max(1, boxes.value.shape[1]))
+    for start in range(0, len(points), points_per_chunk):
+        chunk = slice(start, start + points_per_chunk)
+        chunk_box = box[chunk]
+        offsets = fractions[chunk] - boxes.centre[chunk_box]
+        value = boxes.value[chunk_box] + np.einsum("prk,pk->pr", boxes.slope[chunk_box], offsets)
+        variance = (boxes.variance + boxes.curvature_variance)[chunk_box]
+        logs[chunk] = log_sum(
+            likelihood.log(value, variance, boxes.seen_fraction[chunk_box], points[chunk])
+        )
+    top = logs.max()
+    logs = np.maximum(logs - (top if np.isfinite(top) else 0.0), LEAST_LOG)
+    return logs.reshape(grid.shape[:-1])
 
 
-def _box_of(boxes: PosteriorBoxes, share: Array) -> NDArray[np.int64]:
-    box = np.zeros(len(share), dtype=np.int64)
+def _box_numbers_of(boxes: PosteriorBoxes, fractions: Array) -> NDArray[np.int64]:
+    numbers = np.zeros(len(fractions), dtype=np.int64)
+    # Boxes of one size are cells of a regular grid: a point lies in the box of the same cell key.
     for halvings in np.unique(boxes.halvings).tolist():
-        ours = np.flatnonzero(boxes.halvings == halvings)
-        keys = _keys(boxes.centre[ours], halvings)
-        order = np.argsort(keys)
-        asked = _keys(share, halvings)
-        place = np.minimum(np.searchsorted(keys[order], asked), len(ours) - 1)
-        hit = keys[order][place] == asked
-        box[hit] = ours[order][place][hit]
-    return box
+        same_size = np.flatnonzero(boxes.halvings == halvings)
+        box_keys = _cell_keys(boxes.centre[same_size], halvings)
+        order = np.argsort(box_keys)
+        sought = _cell_keys(fractions, halvings)
+        position = np.minimum(np.searchsorted(box_keys[order], sought), len(same_size) - 1)
+        hit = box_keys[order][position] == sought
+        numbers[hit] = same_size[order][position][hit]
+    return numbers
 
 
-def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
-    keys = np.zeros(len(share), dtype=np.int64)
-    for column in np.floor(share * 2.0**halvings).astype(np.int64).T:
+def _cell_keys(fractions: Array, halvings: int) -> NDArray[np.int64]:
+    keys = np.zeros(len(fractions), dtype=np.int64)
+    for column in np.floor(fractions * 2.0**halvings).astype(np.int64).T:
         keys = (keys << halvings) + column
     return keys
 
 
-def marginal(posterior: Posterior, axis: Array, k: int) -> Array:
+def marginal_density(posterior: Posterior, axis: Array, position: int) -> Array:
     """Return the posterior density of one unknown at evenly spaced values, per its unit.
 
-    `axis` are the values, `k` is the position of the unknown; the density is smoothed over a few
+    `axis` are the values, `position` that of the unknown; the density is smoothed over a few
     values.
     """
-    found = np.pad(_bin_mass(posterior, [axis], [k]), len(SMOOTH) // 2, mode="symmetric")
-    return np.asarray(np.convolve(found, SMOOTH, mode="valid")) / (axis[1] - axis[0])
+    mass = np.pad(_bin_mass(posterior, [axis], [position]), len(SMOOTH) // 2, mode="symmetric")
+    return np.asarray(np.convolve(mass, SMOOTH, mode="valid")) / (axis[1] - axis[0])
 
 
-def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -> Array:
+def pair_density(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -> Array:
     """Return the posterior density of two unknowns at evenly spaced values, per their units.
 
     `axes` are the values of all unknowns, `first` and `second` the positions of these two.
     """
-    found = _bin_mass(posterior, [axes[first], axes[second]], [first, second])
+    mass = _bin_mass(posterior, [axes[first], axes[second]], [first, second])
     steps = [axes[k][1] - axes[k][0] for k in (first, second)]
-    return found / (steps[0] * steps[1])
+    return mass / (steps[0] * steps[1])
 
 
-def _bin_mass(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
+def _bin_mass(posterior: Posterior, axes: Sequence[Array], positions: Sequence[int]) -> Array:
     shape = tuple(len(axis) for axis in axes)
     mass = np.zeros(int(np.prod(shape)))
-    lows, shares, inside = [], [], np.ones(len(posterior.points), dtype=bool)
-    for axis, k in zip(axes, which, strict=True):
-        position = (posterior.points[:, k] - axis[0]) / (axis[1] - axis[0])
-        inside &= (position > -0.5) & (position < len(axis) - 0.5)
-        position = np.clip(position, 0.0, len(axis) - 1.0)
-        low = np.minimum(position.astype(np.int64), len(axis) - 2)
-        lows.append(low)
-        shares.append(position - low)
+    low_nodes, upper_weights, inside = [], [], np.ones(len(posterior.points), dtype=bool)
+    for axis, position in zip(axes, positions, strict=True):
+        node = (posterior.points[:, position] - axis[0]) / (axis[1] - axis[0])
+        inside &= (node > -0.5) & (node < len(axis) - 0.5)
+        node = np.clip(node, 0.0, len(axis) - 1.0)
+        low = np.minimum(node.astype(np.int64), len(axis) - 2)
+        low_nodes.append(low)
+        upper_weights.append(node - low)
+    # A point's weight is shared between the nodes about it, linearly along each axis.
     for corner in np.ndindex(*(2,) * len(axes)):
         weight = np.where(inside, posterior.weights, 0.0)
-        flat = np.zeros(len(weight), dtype=np.int64)
-        for low, share, side, size in zip(lows, shares, corner, shape, strict=True):
-            weight = weight * (share if side else 1.0 - share)
-            flat = flat * size + low + side
-        np.add.at(mass, flat, weight)
+        index = np.zeros(len(weight), dtype=np.int64)
+        for low, upper_weight, side, size in zip(
+            low_nodes, upper_weights, corner, shape, strict=True
+        ):
+            weight = weight * (upper_weight if side else 1.0 - upper_weight)
+            index = index * size + low + side
+        np.add.at(mass, index, weight)
     mass = mass.reshape(shape)
-    for dim in range(mass.ndim):  # the first and the last gather from one side alone
+    for dim in range(mass.ndim):  # nodes at the ends have half a width
         edge = [slice(None)] * mass.ndim
         for end in (0, -1):
             edge[dim] = end  # type: ignore[call-overload]
@@ -285,68 +305,72 @@ def modes_of(posterior: Posterior, axes: Sequence[Array]) -> list[PosteriorMode]
     spaced values of each unknown in the units of studies. Every point belongs to a mode; one
     between two modes belongs to that to which the log density rises (a watershed).
     """
-    count = len(axes)
-    nodes = np.stack(
+    dimensions = len(axes)
+    indices = np.stack(
         [
-            np.clip(np.rint((posterior.points[:, k] - a[0]) / (a[1] - a[0])), 0, len(a) - 1)
-            for k, a in enumerate(axes)
+            np.clip(
+                np.rint((posterior.points[:, k] - axis[0]) / (axis[1] - axis[0])), 0, len(axis) - 1
+            )
+            for k, axis in enumerate(axes)
         ],
         axis=1,
     ).astype(np.int64)
     shape = tuple(len(axis) for axis in axes)
-    flat = np.ravel_multi_index(tuple(nodes.T), shape)
-    mass: Array = np.bincount(flat, posterior.weights, int(np.prod(shape))).astype(np.float64)
+    node_of_point = np.ravel_multi_index(tuple(indices.T), shape)
+    mass: Array = np.bincount(node_of_point, posterior.weights, int(np.prod(shape))).astype(
+        np.float64
+    )
     order = np.argsort(-mass)
     cumulative = np.cumsum(mass[order])
-    neighbours = np.ones((3,) * count)
-    # Separate regions of the densest 90 % or 99 % of the mass, of that with more of them.
+    neighbours = np.ones((3,) * dimensions)
+    # Seeds: connected regions of the densest 90 % or 99 % of the mass, whichever gives more.
     seeds = np.zeros(shape, dtype=np.int16)
-    for share in HIGHEST:
-        high = np.zeros(mass.size, dtype=bool)
-        high[order[: int(np.searchsorted(cumulative, share)) + 1]] = True
-        wide = scipy.ndimage.binary_dilation(high.reshape(shape), neighbours)
-        found = _heaviest(np.asarray(scipy.ndimage.label(wide, neighbours)[0]), mass)
-        seeds = found if found.max() > seeds.max() else seeds
+    for fraction in HIGHEST:
+        dense = np.zeros(mass.size, dtype=bool)
+        dense[order[: int(np.searchsorted(cumulative, fraction)) + 1]] = True
+        regions = scipy.ndimage.binary_dilation(dense.reshape(shape), neighbours)
+        labels = _heaviest_labels(np.asarray(scipy.ndimage.label(regions, neighbours)[0]), mass)
+        seeds = labels if labels.max() > seeds.max() else seeds
     depth = np.full(mass.size, DEEPEST)
-    np.minimum.at(depth, flat, posterior.log.max() - posterior.log)
+    np.minimum.at(depth, node_of_point, posterior.log.max() - posterior.log)
     depth = depth.reshape(shape)
-    # Every node joins the seed to which it rises; regions with a shallow valley between them merge.
+    # A watershed labels every node by the seed to which the density rises.
     levels = (np.iinfo(np.uint16).max / DEEPEST * depth).astype(np.uint16)
-    parted = _deeply_parted(scipy.ndimage.watershed_ift(levels, seeds, neighbours), depth)
-    return _modes(posterior, parted.ravel()[flat])
+    labels = _without_shallow_valleys(scipy.ndimage.watershed_ift(levels, seeds, neighbours), depth)
+    return _modes(posterior, labels.ravel()[node_of_point])
 
 
-def _deeply_parted(labels: NDArray[np.int16], depth: Array) -> NDArray[np.int16]:
+def _without_shallow_valleys(labels: NDArray[np.int16], depth: Array) -> NDArray[np.int16]:
     merged = labels.copy()
     while True:
         numbers = np.unique(merged).tolist()
         tops = {number: depth[merged == number].min() for number in numbers}
         valleys = []
         for first, second in combinations(numbers, 2):
-            # The way over the highest saddle crosses neighbours, one in either mode.
-            near = scipy.ndimage.minimum_filter(np.where(merged == first, depth, np.inf), 3)
-            passes = np.maximum(near, np.where(merged == second, depth, np.inf))
-            valleys.append((passes.min() - max(tops[first], tops[second]), first, second))
-        least, first, second = min(valleys, default=(np.inf, 0, 0))
-        if not least < VALLEY:
+            # The saddle: of all pairs of neighbours, one in either mode, the least of the deeper.
+            first_depth = scipy.ndimage.minimum_filter(np.where(merged == first, depth, np.inf), 3)
+            saddle_depths = np.maximum(first_depth, np.where(merged == second, depth, np.inf))
+            valleys.append((saddle_depths.min() - max(tops[first], tops[second]), first, second))
+        shallowest, first, second = min(valleys, default=(np.inf, 0, 0))
+        if not shallowest < VALLEY:
             return merged
         merged[merged == second] = first
 
 
-def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
-    shares = np.bincount(labels.ravel(), mass)
-    shares[0] = 0.0  # between them
-    heavy = [label for label in np.argsort(-shares)[:MAX_MODES] if shares[label] >= LEAST_MODE]
-    number = np.zeros(shares.size, dtype=np.int16)
+def _heaviest_labels(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
+    masses = np.bincount(labels.ravel(), mass)
+    masses[0] = 0.0  # label 0 is no region
+    heavy = [label for label in np.argsort(-masses)[:MAX_MODES] if masses[label] >= LEAST_MODE]
+    number = np.zeros(masses.size, dtype=np.int16)
     number[heavy] = np.arange(1, len(heavy) + 1)
     return np.asarray(number[labels])
 
 
 def _modes(posterior: Posterior, labels: NDArray[np.int16]) -> list[PosteriorMode]:
-    shares = np.bincount(labels, posterior.weights)
+    masses = np.bincount(labels, posterior.weights)
     modes = []
     for label in np.unique(labels).tolist():
-        ours = np.flatnonzero(labels == label)
-        best = posterior.points[ours[np.argmax(posterior.log[ours])]]
-        modes.append(PosteriorMode(float(shares[label]), best))
+        members = np.flatnonzero(labels == label)
+        best = posterior.points[members[np.argmax(posterior.log[members])]]
+        modes.append(PosteriorMode(float(masses[label]), best))
     return sorted(modes, key=lambda mode: -mode.share)

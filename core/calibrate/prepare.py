@@ -40,23 +40,23 @@ def prepare(study: CalibrateStudy) -> Calibration:
     That chooses the plan of the simulated motion, and gathers the observed runs, the unknowns with
     their priors, the scatter of measurements and the candidates for the next run.
     """
-    problems = [*_misused(study), *_problems_of_unknowns(study)]
+    problems = [*_problems_of_fields(study), *_problems_of_unknowns(study)]
     columns = _columns(study, problems)
-    output, more = _observed(study)
-    error, wrong = _errors(study, output)
-    problems += [*more, *wrong]
-    values = {name: v for name, v in study.values().items() if isinstance(v, Fixed)}
+    output, output_problems = _observed_output(study)
+    error, error_problems = _errors(study, output)
+    problems += [*output_problems, *error_problems]
+    values = {name: value for name, value in study.values().items() if isinstance(value, Fixed)}
     shared = {name: value.value for name, value in values.items()}
     unknowns = _unknowns(study)
-    problems += _open(unknowns, shared, columns)
-    spans = _spans(unknowns, shared, columns, problems)
-    asked = study.asked_next()
-    problems += _problems_of_candidates(asked, shared, columns)
+    problems += _problems_of_places(unknowns, shared, columns)
+    ranges = _parameter_ranges(unknowns, shared, columns, problems)
+    candidate_values = study.asked_next()
+    problems += _problems_of_candidates(candidate_values, shared, columns)
     # What is wrong with values above is no reason to blame the names of a plan.
-    named = {**dict.fromkeys(shared), **dict.fromkeys(columns), **dict.fromkeys(spans)}
+    given = {**dict.fromkeys(shared), **dict.fromkeys(columns), **dict.fromkeys(ranges)}
     try:
-        scene, method, found = choose(study.scene, study.method, named)
-        problems += [*found, *_of_scene(study, scene, method, output)]
+        scene, method, name_problems = choose(study.scene, study.method, given)
+        problems += [*name_problems, *_problems_of_scene(study, scene, method, output)]
         speed = output if output in SPEEDS else "conveying_velocity"
         wanted = [*dict.fromkeys((output, speed)), *SPEEDS[speed], *SEEN]
         if output == AMPLITUDE or scene.name in UNITS:
@@ -64,21 +64,21 @@ def prepare(study: CalibrateStudy) -> Calibration:
         elif scene.name in CONTACTS and speed not in scene.outputs(method):
             fix = "Measure velocity_towards on a plate, conveying_velocity or feed_rate on a track"
             raise refused("observations", f"{scene.name} has no {output}", fix)
-        plan = plan_scene(scene, method, wanted, tuple(named), {*shared, *columns})
+        plan = plan_scene(scene, method, wanted, tuple(given), {*shared, *columns})
     except StudyError as error_:
         raise StudyError(
-            [*problems, *(locate_problem(one, study) for one in error_.problems)]
+            [*problems, *(locate_problem(problem, study) for problem in error_.problems)]
         ) from None
-    grid = Grid.of({**values, **spans})
-    broken = broken_constraints(_without_order(scene, spans), method, grid)
-    problems += (locate_problem(one, study) for one in broken)
-    problems += _too_few(study, unknowns)
+    grid = Grid.of({**values, **ranges})
+    broken = broken_constraints(_without_order_of_frictions(scene, ranges), method, grid)
+    problems += (locate_problem(problem, study) for problem in broken)
+    problems += _problem_of_few_runs(study, unknowns)
     raise_any(problems)
     plan = replace(plan, defaults={**plan.defaults, **study.settings()})
     runs = Runs(
         columns,
         output,
-        np.array([np.nan if (v := getattr(run, output)) is None else v
+        np.array([np.nan if (value := getattr(run, output)) is None else value
                   for run in study.observations]),
         error,
         tuple(run.regime or "" for run in study.observations),
@@ -86,13 +86,13 @@ def prepare(study: CalibrateStudy) -> Calibration:
     model = Model(plan, shared, unknowns, runs)
     scatter = Scatter.of(model, wanted=study.discrepancy)
     candidates = None
-    if asked:
+    if candidate_values:
         # What a candidate does not say is as in the first run.
-        first = {name: Fixed(float(column[0])) for name, column in columns.items()}
-        candidates = Grid.of({**first, **asked})
+        first_run = {name: Fixed(float(column[0])) for name, column in columns.items()}
+        candidates = Grid.of({**first_run, **candidate_values})
     is_robust = study.likelihood == "student_t"
     likelihood = Likelihood(model, scatter, study.outlier_probability, is_robust)
-    questions = tuple(_minute_errors(runs))
+    questions = tuple(_questions_on_tiny_errors(runs))
     return Calibration(study, plan, grid, likelihood, candidates, questions=questions)
 
 
@@ -108,8 +108,8 @@ def choose(name: str, method: str | None, parameters: Collection[str]) -> Chosen
     if name not in UNITS:
         return choose_system(name, method, parameters)
     scene, variant, problems = choose_scene(name, None, UNITS)
-    unit, of_unit = unit_of(parameters)
-    raise_any(of_unit)
+    unit, unit_problems = unit_of(parameters)
+    raise_any(unit_problems)
     if method is not None:
         problems.append(Problem("method", "a drive unit has closed forms alone", "Remove it"))
     chosen = unit.variant if unit and unit.variant in scene.variants else variant
@@ -119,21 +119,25 @@ def choose(name: str, method: str | None, parameters: Collection[str]) -> Chosen
 MINUTE = 1 / 30  # of the median error of the other runs: a run with less outweighs them all
 
 
-def _minute_errors(runs: Runs) -> Iterable[str]:
+def _questions_on_tiny_errors(runs: Runs) -> Iterable[str]:
     errors = np.where(runs.measured, runs.error, np.nan)
     for k in np.flatnonzero(errors > 0):
-        usual = np.nanmedian(np.delete(errors, k)) if np.isfinite(errors).sum() > 1 else 0.0
-        if errors[k] < MINUTE * usual:
-            unit = QUANTITIES[runs.output].unit
-            shown = ShownUnits().of(unit, usual)
-            small, large = (f"{shown.factor * one:.2g} {shown.unit}" for one in (errors[k], usual))
+        median_of_others = (
+            np.nanmedian(np.delete(errors, k)) if np.isfinite(errors).sum() > 1 else 0.0
+        )
+        if errors[k] < MINUTE * median_of_others:
+            shown = ShownUnits().of(QUANTITIES[runs.output].unit, median_of_others)
+            small, large = (
+                f"{shown.factor * error:.2g} {shown.unit}"
+                for error in (errors[k], median_of_others)
+            )
             yield (
                 f"run {k + 1} has an error of {small}, the others of some {large}, so that it "
                 "outweighs them. If it is a share of a speed near 0, give a value"
             )
 
 
-def _misused(study: CalibrateStudy) -> Iterable[Problem]:
+def _problems_of_fields(study: CalibrateStudy) -> Iterable[Problem]:
     if study.verify is not None:
         yield Problem(
             "verify",
@@ -150,11 +154,14 @@ def _misused(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
-    found = []
+    unknowns = []
     for name, prior in study.priors().items():
-        table = next((t for t in ("offsets", "factors") if name.startswith(STEMS[t])), "unknowns")
-        found.append(Unknown(name, name.removeprefix(STEMS[table]), table, prior))
-    return tuple(found)
+        table = next(
+            (table_ for table_ in ("offsets", "factors") if name.startswith(STEMS[table_])),
+            "unknowns",
+        )
+        unknowns.append(Unknown(name, name.removeprefix(STEMS[table]), table, prior))
+    return tuple(unknowns)
 
 
 def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
@@ -174,20 +181,21 @@ def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
 
 
 def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]:
+    # The parameters in which the runs differ; a run that lacks one is a problem.
     rows = [parameters_of(run) for run in study.observations]
     names = [name for name in QUANTITIES if any(name in row for row in rows)]
     for name in names:
-        lacking = [k for k, row in enumerate(rows, 1) if name not in row]
-        if lacking:
-            more = f" ({len(lacking)} such rows)" if len(lacking) > 1 else ""
+        rows_without = [k for k, row in enumerate(rows, 1) if name not in row]
+        if rows_without:
+            number_of_rows = f" ({len(rows_without)} such rows)" if len(rows_without) > 1 else ""
             problems.append(
                 Problem(
-                    f"observations row {lacking[0]}, {name}",
-                    f"other runs have {name}, and this one has not" + more,
+                    f"observations row {rows_without[0]}, {name}",
+                    f"other runs have {name}, and this one has not" + number_of_rows,
                     "Give it in every run, or once among the parameters",
                 )
             )
-    columns = {n: np.array([row.get(n, np.nan) for row in rows]) for n in names}
+    columns = {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
     for name in columns:
         if name in study.values():
             problems.append(
@@ -200,7 +208,8 @@ def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]
     return columns
 
 
-def _observed(study: CalibrateStudy) -> tuple[str, list[Problem]]:
+def _observed_output(study: CalibrateStudy) -> tuple[str, list[Problem]]:
+    # The output that the runs measured, and the problems.
     problems, rows = [], study.observations
     for k, row in enumerate(rows, 1):
         outputs = [name for name in OBSERVED if getattr(row, name) is not None]
@@ -220,43 +229,46 @@ def _observed(study: CalibrateStudy) -> tuple[str, list[Problem]]:
                     f"Give {', '.join(OBSERVED)} or regime",
                 )
             )
-    used = [name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)]
-    if len(used) > 1 and not problems:
+    outputs_used = [
+        name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)
+    ]
+    if len(outputs_used) > 1 and not problems:
         problems.append(
             Problem(
                 "observations",
-                f"some runs give {used[0]}, others {used[1]}",
+                f"some runs give {outputs_used[0]}, others {outputs_used[1]}",
                 "Give the same one in all runs of observations",
             )
         )
     any_speed = "velocity_towards" if study.scene == PLATE else "conveying_velocity"
-    return (*used, any_speed)[0], problems
+    return (*outputs_used, any_speed)[0], problems
 
 
 def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
-    errors, lacking, problems = [], [], list[Problem]()
+    # The error of the value of each run, 0 if it is not known, and the problems.
+    errors, runs_without, problems = [], [], list[Problem]()
     for k, run in enumerate(study.observations, 1):
         value = getattr(run, output)
         error = run.error
         if value is not None and error is None and study.error is not None and not problems:
             try:
                 error = read_error(output, study.error, value)
-            except UnitError as wrong:
+            except UnitError as unit_error:
                 problems.append(
                     Problem(
                         ("error" if value else f"observations row {k}, error"),
-                        wrong.message,
-                        wrong.fix,
+                        unit_error.message,
+                        unit_error.fix,
                     )
                 )
         if value is not None and error is None:
-            lacking.append(k)
+            runs_without.append(k)
         errors.append(error or 0.0)
     measured = sum(getattr(run, output) is not None for run in study.observations)
-    if lacking and len(lacking) < measured and not problems:
+    if runs_without and len(runs_without) < measured and not problems:
         problems.append(
             Problem(
-                f"observations row {lacking[0]}, error",
+                f"observations row {runs_without[0]}, error",
                 "other runs have an error, and this one has not",
                 "Give error in every run, once for all above them, or nowhere",
             )
@@ -264,16 +276,17 @@ def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
     return np.array(errors), problems
 
 
-def _open(
+def _problems_of_places(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
 ) -> Iterable[Problem]:
+    # An unknown may not have a value, too; an offset or a factor is of a parameter that has one.
     for unknown in unknowns:
         path, names = f"{unknown.table}.{unknown.parameter}", {*shared, *columns}
         if unknown.table == "unknowns" and unknown.parameter in names:
-            where = "observations" if unknown.parameter in columns else "parameters"
+            table = "observations" if unknown.parameter in columns else "parameters"
             yield Problem(
                 path,
-                f"{unknown.parameter} is unknown, and given in the {where}",
+                f"{unknown.parameter} is unknown, and given in the {table}",
                 f"Give {unknown.parameter} once, or unknown offsets or factors of it: "
                 "[offsets], [factors]",
             )
@@ -285,28 +298,28 @@ def _open(
             )
 
 
-def _spans(
+def _parameter_ranges(
     unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array],
     problems: list[Problem],
 ) -> dict[str, Values]:  # fmt: skip
-    spans: dict[str, Values] = {}
+    ranges: dict[str, Values] = {}
     for name, column in columns.items():
         values = np.unique(column[~np.isnan(column)]).tolist()
-        spans[name] = Points(tuple(values)) if len(values) > 1 else Fixed(values[0])
+        ranges[name] = Points(tuple(values)) if len(values) > 1 else Fixed(values[0])
     for unknown in unknowns:
         low, high = unknown.lower, unknown.upper
         if unknown.table != "unknowns":
-            values_known = columns.get(
+            nominal = columns.get(
                 unknown.parameter, np.array([shared.get(unknown.parameter, np.nan)])
             )
-            known = spans.get(unknown.parameter)
-            if isinstance(known, Span):  # it has another unknown already
-                values_known = np.array([known.start, known.stop])
-            values_known = values_known[~np.isnan(values_known)]
-            if not values_known.size:
+            range_so_far = ranges.get(unknown.parameter)
+            if isinstance(range_so_far, Span):  # it has another unknown already
+                nominal = np.array([range_so_far.start, range_so_far.stop])
+            nominal = nominal[~np.isnan(nominal)]
+            if not nominal.size:
                 continue
-            pair = np.array([low, high])[:, np.newaxis]
-            ends = values_known + pair if unknown.table == "offsets" else values_known * pair
+            changes = np.array([low, high])[:, np.newaxis]
+            ends = nominal + changes if unknown.table == "offsets" else nominal * changes
             low, high = float(ends.min()), float(ends.max())
         quantity = QUANTITIES[unknown.parameter]
         if low < quantity.lower or high > quantity.upper:
@@ -319,20 +332,22 @@ def _spans(
                     "Narrow its range",
                 )
             )
-        spans[unknown.parameter] = Span(low, high, 2) if high > low else Fixed(low)
-    return spans
+        ranges[unknown.parameter] = Span(low, high, 2) if high > low else Fixed(low)
+    return ranges
 
 
 def _problems_of_candidates(
-    asked: Mapping[str, Values], shared: Mapping[str, float], columns: Mapping[str, Array]
+    candidate_values: Mapping[str, Values],
+    shared: Mapping[str, float],
+    columns: Mapping[str, Array],
 ) -> Iterable[Problem]:
-    for name in asked:
+    for name in candidate_values:
         if name not in columns:
-            where = "all runs share it" if name in shared else "no run has it"
+            fault = "all runs share it" if name in shared else "no run has it"
             yield Problem(
-                f"candidates.{name}", where, "Range over parameters that differ between the runs"
+                f"candidates.{name}", fault, "Range over parameters that differ between the runs"
             )
-    cells = Grid.of(asked).cells if asked else 0
+    cells = Grid.of(candidate_values).cells if candidate_values else 0
     if cells > MAX_CANDIDATES:
         yield Problem(
             "candidates",
@@ -341,7 +356,9 @@ def _problems_of_candidates(
         )
 
 
-def _of_scene(study: CalibrateStudy, scene: Scene, method: str, output: str) -> Iterable[Problem]:
+def _problems_of_scene(
+    study: CalibrateStudy, scene: Scene, method: str, output: str
+) -> Iterable[Problem]:
     if scene.name in UNITS:
         for row, run in enumerate(study.observations, 1):
             if run.regime is not None:
@@ -359,14 +376,16 @@ def _of_scene(study: CalibrateStudy, scene: Scene, method: str, output: str) -> 
     yield from problems_of_settings(study, scene, method)
 
 
-def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
-    if not any(isinstance(spans.get(name), Span) for name in STATIC_ABOVE_KINETIC.parameters):
+def _without_order_of_frictions(scene: Scene, ranges: Mapping[str, Values]) -> Scene:
+    if not any(isinstance(ranges.get(name), Span) for name in STATIC_ABOVE_KINETIC.parameters):
         return scene
-    left = tuple(one for one in scene.constraints if one is not STATIC_ABOVE_KINETIC)
-    return replace(scene, constraints=left)
+    others = tuple(
+        constraint for constraint in scene.constraints if constraint is not STATIC_ABOVE_KINETIC
+    )
+    return replace(scene, constraints=others)
 
 
-def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[Problem]:
+def _problem_of_few_runs(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[Problem]:
     if study.error is not None or any(run.error is not None for run in study.observations):
         return
     measured = sum(

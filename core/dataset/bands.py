@@ -25,9 +25,9 @@ def band_in_words(name: str, low: float, high: float) -> str:
 
 def known_between(coordinates: Mapping[str, TableVariable]) -> str:
     """Return the parameter of a result that has a band, with its ends; empty without one."""
-    for name, one in coordinates.items():
-        if BAND in one.attributes:
-            low, high = (float(end) for end in one.attributes[BAND])
+    for name, variable in coordinates.items():
+        if BAND in variable.attributes:
+            low, high = (float(end) for end in variable.attributes[BAND])
             return band_in_words(name, low, high)
     return ""
 
@@ -37,10 +37,12 @@ def band_widths(table: Table) -> dict[str, float]:
     widths: dict[str, float] = {}
     for name in table.variables:
         names = [name, *(f"{name}_{end}" for end in ENDS)]
-        if all(one in table.variables for one in names):
-            least, most = (table.variables[one].values for one in names[1:])
-            finite = (most - least)[np.isfinite(most - least)]
-            widths |= dict.fromkeys(names, float(np.median(finite)) if finite.size else math.nan)
+        if all(each in table.variables for each in names):
+            lower, upper = (table.variables[each].values for each in names[1:])
+            finite_widths = (upper - lower)[np.isfinite(upper - lower)]
+            widths |= dict.fromkeys(
+                names, float(np.median(finite_widths)) if finite_widths.size else math.nan
+            )
     return widths
 
 
@@ -54,8 +56,8 @@ def rounded(value: float, width: float) -> str:
 
 def sentences_on_bands(table: Table) -> list[str]:
     """Return sentences on the direction of travel over the band of a result; none without one."""
-    over = known_between(table.coordinates)
-    if UNSETTLED not in table.variables or not over:
+    band_in_text = known_between(table.coordinates)
+    if UNSETTLED not in table.variables or not band_in_text:
         return []
     signs, sentences = table.variables[UNSETTLED].values, list[str]()
     for state, text in (
@@ -63,8 +65,8 @@ def sentences_on_bands(table: Table) -> list[str]:
         ("open", "parts have no mean speed at some values, such as where they run down"),
     ):
         if share := float(np.mean(signs == SIGNS[state].value)):
-            where = "" if share == 1 else f", in {percent(share)} of the cells,"
-            sentences.append(f"For {over}{where} {text}.")
+            in_cells = "" if share == 1 else f", in {percent(share)} of the cells,"
+            sentences.append(f"For {band_in_text}{in_cells} {text}.")
     gap = table.coordinates.get("part_gap")
     if "feed_rate" in table.variables and gap is not None and not np.any(gap.values):
         sentences.append("The feed rate is an upper bound: its parts touch, with a part_gap of 0.")

@@ -16,8 +16,8 @@ def to_document(table: Table) -> dict[str, Any]:
     """
     return {
         "attributes": {**table.attributes, **table.price},
-        "coordinates": {name: _document(v) for name, v in table.coordinates.items()},
-        "variables": {name: _document(v) for name, v in table.variables.items()},
+        "coordinates": {name: _document(variable) for name, variable in table.coordinates.items()},
+        "variables": {name: _document(variable) for name, variable in table.variables.items()},
     }
 
 

@@ -55,7 +55,7 @@ def whole(path: Path) -> Iterator[Path]:
     """
     temporary = path.with_name(f".{path.name}.{os.urandom(8).hex()}{PART}")
     try:
-        # The system says why nothing can be written here; some libraries only that it failed.
+        # Touch the file first: the system's error says more than those of some libraries.
         temporary.touch(exist_ok=True)
         yield temporary
         settle(temporary, path)

@@ -141,8 +141,8 @@ def read_result(where: str, *, most_bytes: int | None = None) -> Table:
     is_group = "://" in where or Path(where).is_dir()
     attributes = attributes_at(where) if is_group else attributes_of_file(Path(where))
     if not str(attributes.get("source", "")).startswith(MAKER):
-        wanted = "Give a NetCDF file or a Zarr group that vibrafeed wrote"
-        raise VibrafeedError(f"the file is not a result of vibrafeed. {wanted}")
+        fix = "Give a NetCDF file or a Zarr group that vibrafeed wrote"
+        raise VibrafeedError(f"the file is not a result of vibrafeed. {fix}")
     if is_group:
         return read_zarr(where, most_bytes=most_bytes)
     return read_netcdf(Path(where), most_bytes=most_bytes)
@@ -158,10 +158,10 @@ def _write_rows(
 def _write_csv(table: Table, where: str, storage: Storage) -> None:
     """Write a table as CSV, and what CSV cannot hold as JSON in a file beside it."""
     path = Path(where)
-    about = table.to_xarray().to_dict(data=False) | {"attrs": Frame.of(table).about}
-    text = json.dumps(about, indent=2, ensure_ascii=False, default=np.ndarray.tolist)
-    with whole(path.with_name(f"{path.name}.json")) as beside:
-        beside.write_text(f"{text}\n", encoding="utf-8")
+    description = table.to_xarray().to_dict(data=False) | {"attrs": Frame.of(table).about}
+    text = json.dumps(description, indent=2, ensure_ascii=False, default=np.ndarray.tolist)
+    with whole(path.with_name(f"{path.name}.json")) as json_file:
+        json_file.write_text(f"{text}\n", encoding="utf-8")
         _write_rows(partial(csv, style=storage.csv_style), table, where, storage)
 
 

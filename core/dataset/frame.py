@@ -77,11 +77,16 @@ class Frame:
             if not is_regime(name) or "flag_values" not in regime.attributes:
                 continue
             counts = regime_counts(regime.values)
-            beyond = {one: count for one, count in counts.items() if not REGIMES[one].valid}
-            if beyond:
-                share = f"{sum(beyond.values()):,} of {regime.values.size:,} cells"
-                told = f"{share} do not describe a real part: {name} {', '.join(beyond)}"
-                sentences.append(told)
+            invalid = {
+                regime_name: count
+                for regime_name, count in counts.items()
+                if not REGIMES[regime_name].valid
+            }
+            if invalid:
+                cells = f"{sum(invalid.values()):,} of {regime.values.size:,} cells"
+                sentences.append(
+                    f"{cells} do not describe a real part: {name} {', '.join(invalid)}"
+                )
         return "; ".join(sentences)
 
     @property
@@ -106,10 +111,11 @@ class Frame:
 
         for start in range(0, self.rows, rows):
             yield pandas.DataFrame(
-                {name: self._cells(one, start, rows) for name, one in self.columns.items()}
+                {name: self._cells(column, start, rows) for name, column in self.columns.items()}
             )
 
     def _cells(self, column: TableVariable, start: int, rows: int) -> Any:
+        # Some rows of a column that is broadcast over all dimensions; flags become their names.
         import pandas
 
         order = [column.dims.index(dim) for dim in self.sizes if dim in column.dims]
@@ -163,7 +169,9 @@ def parquet(frame: Frame) -> Iterator[bytes]:
 
     inferred = pyarrow.Schema.from_pandas(next(frame.pieces(1)), preserve_index=False)
     columns = frame.columns.items()
-    fields = [inferred.field(name).with_metadata(_texts(one.attributes)) for name, one in columns]
+    fields = [
+        inferred.field(name).with_metadata(_texts(column.attributes)) for name, column in columns
+    ]
     schema = pyarrow.schema(fields, metadata=_texts(frame.about))
     with tempfile.TemporaryFile() as file:
         with pyarrow.parquet.ParquetWriter(file, schema) as writer:

@@ -55,27 +55,27 @@ def write_zarr(table: Table, where: str, storage: Storage) -> None:
         if "://" not in where:
             settle(Path(under_way), Path(where))
     except BaseException:
-        remove_all(under_way)  # nobody could go on with it
+        remove_all(under_way)  # an incomplete group is of no use
         raise
 
 
 def _write_version_2(table: Table, group: "zarr.Group") -> None:
-    unmasked: dict[str, Any] = {
+    encoding: dict[str, Any] = {
         name: {"_FillValue": None}
-        for name, one in table.variables.items()
-        if one.values.dtype.kind != "O"
+        for name, variable in table.variables.items()
+        if variable.values.dtype.kind != "O"
     }
     table.to_xarray().to_zarr(
-        group.store, mode="a", zarr_format=2, consolidated=True, encoding=unmasked
+        group.store, mode="a", zarr_format=2, consolidated=True, encoding=encoding
     )
 
 
 def _write_version_3(table: Table, group: "zarr.Group", where: str) -> None:
     create_arrays(group, table)
-    everything = {**table.coordinates, **table.variables}
-    for name, one in everything.items():
-        put(group, name, ..., one.values)
-    put_document(where, document_of(group, everything))
+    variables = {**table.coordinates, **table.variables}
+    for name, variable in variables.items():
+        put(group, name, ..., variable.values)
+    put_document(where, document_of(group, variables))
 
 
 def create_arrays(

@@ -48,25 +48,29 @@ def write_mat(table: Table, where: str, storage: Storage) -> None:
     from scipy.io import savemat
 
     variables = {**table.coordinates, **table.variables}
-    named = names_in_matlab(variables)
-    data = {named[n]: _array(v) for n, v in variables.items()}
-    check(Size(doubles=sum(one.nbytes for one in data.values())))
+    matlab_names = names_in_matlab(variables)
+    data = {matlab_names[name]: _array(variable) for name, variable in variables.items()}
+    check(Size(doubles=sum(array.nbytes for array in data.values())))
     result = {
         "data": data,
         "dimensions": {  # rows of objects, which become cell arrays
-            named[n]: np.array([[named[dim] for dim in v.dims]], dtype=object)
-            for n, v in variables.items()
+            matlab_names[name]: np.array(
+                [[matlab_names[dim] for dim in variable.dims]], dtype=object
+            )
+            for name, variable in variables.items()
         },
         **{
             field: {
-                named[n]: _text(str(v.attributes[attribute]))
-                for n, v in variables.items()
-                if attribute in v.attributes
+                matlab_names[name]: _text(str(variable.attributes[attribute]))
+                for name, variable in variables.items()
+                if attribute in variable.attributes
             }
             for field, attribute in FIELDS.items()
         },
         "flags": {
-            named[n]: _flags(v) for n, v in variables.items() if "flag_values" in v.attributes
+            matlab_names[name]: _flags(variable)
+            for name, variable in variables.items()
+            if "flag_values" in variable.attributes
         },
         "study": _ascii_json(str(table.attributes.get("study", ""))),
         "about": _about(table),
@@ -90,14 +94,14 @@ def names_in_matlab(names: Iterable[str]) -> dict[str, str]:
     """
     renamed: dict[str, str] = {}
     for name in names:
-        plain = re.sub(r"\W", "_", name, flags=re.ASCII)
-        plain = (plain if plain[:1].isalpha() else f"x{plain}")[:LONGEST]
+        allowed = re.sub(r"\W", "_", name, flags=re.ASCII)
+        allowed = (allowed if allowed[:1].isalpha() else f"x{allowed}")[:LONGEST]
         number = 1
-        while (wanted := plain if number == 1 else f"{plain[: LONGEST - 4]}_{number}") in set(
-            renamed.values()
-        ):
+        while (
+            candidate := allowed if number == 1 else f"{allowed[: LONGEST - 4]}_{number}"
+        ) in set(renamed.values()):
             number += 1
-        renamed[name] = wanted
+        renamed[name] = candidate
     return renamed
 
 
@@ -107,7 +111,7 @@ def _array(variable: TableVariable) -> NDArray[Any]:
 
 
 def _ascii_json(text: str) -> str:
-    return re.sub(r"[^\x00-\x7f]", lambda found: json.dumps(found[0])[1:-1], text)
+    return re.sub(r"[^\x00-\x7f]", lambda match: json.dumps(match[0])[1:-1], text)
 
 
 def _text(text: str) -> str:
@@ -121,8 +125,8 @@ def _text(text: str) -> str:
 
 def _flags(variable: TableVariable) -> dict[str, float]:
     flags = flags_of(variable.attributes)
-    named = names_in_matlab(flags.values())
-    return {named[word]: float(value) for value, word in flags.items()}
+    matlab_names = names_in_matlab(flags.values())
+    return {matlab_names[word]: float(value) for value, word in flags.items()}
 
 
 def _about(table: Table) -> dict[str, Any]:
@@ -131,9 +135,9 @@ def _about(table: Table) -> dict[str, Any]:
     Numbers become floats, all others texts. The study has a field of its own in the file.
     """
     attributes = {**table.attributes, **table.price}
-    named = names_in_matlab(attributes)
+    matlab_names = names_in_matlab(attributes)
     return {
-        named[name]: float(value) if isinstance(value, int | float) else _text(str(value))
+        matlab_names[name]: float(value) if isinstance(value, int | float) else _text(str(value))
         for name, value in attributes.items()
         if name != "study"
     }

@@ -75,7 +75,7 @@ def created(
     OSError
         If the file cannot be written, such as to a full disk.
     """
-    import netCDF4  # a process that writes nothing does not load it
+    import netCDF4  # slow to import, and only writing needs it
 
     try:
         with netCDF4.Dataset(path, "w", format="NETCDF4") as file:

@@ -23,7 +23,7 @@ def attributes_of_file(path: Path) -> dict[str, Any]:
     """
     import h5netcdf
 
-    with path.open("rb"):  # the system says why it cannot be read; the library only that
+    with path.open("rb"):  # the system's error says why it cannot be read, the library's does not
         pass
     try:
         with h5netcdf.File(path) as file:
@@ -94,8 +94,10 @@ def _table(source: Any, engine: str, most_rows: int | None, most_bytes: int | No
 
 def _plain(variables: Mapping[str, TableVariable]) -> dict[str, TableVariable]:
     return {
-        name: TableVariable(one.dims, _native(one.values), _attributes(one.attributes))
-        for name, one in variables.items()
+        name: TableVariable(
+            variable.dims, _native(variable.values), _attributes(variable.attributes)
+        )
+        for name, variable in variables.items()
     }
 
 

@@ -118,7 +118,7 @@ def keys_in(where: str) -> set[str]:
         root = Path(where)
         return {path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file()}
     with plain_errors():
-        return {one["path"] for batch in open_store(where).list() for one in batch}
+        return {entry["path"] for batch in open_store(where).list() for entry in batch}
 
 
 def remove_all(where: str) -> None:

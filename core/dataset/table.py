@@ -67,9 +67,11 @@ class Table:
         They are names in a text; `name` is that of a variable. The result may be empty.
         """
         dims = set(self.variables[name].dims)
-        others = [n for n, one in self.coordinates.items() if one.dims != (n,)]
-        near = [n for n in others if set(self.coordinates[n].dims) <= dims]
-        return {"coordinates": " ".join(near)} if near else {}
+        off_axis = [
+            key for key, coordinate in self.coordinates.items() if coordinate.dims != (key,)
+        ]
+        linked = [key for key in off_axis if set(self.coordinates[key].dims) <= dims]
+        return {"coordinates": " ".join(linked)} if linked else {}
 
     def with_price(self, price: Attributes) -> "Table":
         """Return the table with other attributes for the cost of computing it, such as seconds."""
@@ -92,7 +94,9 @@ class Table:
         if judge is None or judge == name:
             return None
         regimes = self.variables[judge]
-        dropped = tuple(k for k, dim in enumerate(regimes.dims) if dim not in output.dims)
+        dropped = tuple(
+            position for position, dim in enumerate(regimes.dims) if dim not in output.dims
+        )
         mask = is_valid(regimes.values).any(axis=dropped)
         sizes = dict(zip(output.dims, output.values.shape, strict=True))
         shape = [sizes[dim] if dim in regimes.dims else 1 for dim in output.dims]
@@ -108,8 +112,10 @@ class Table:
         def plain(arrays: "Mapping[Any, xarray.DataArray]") -> dict[str, TableVariable]:
             """Return variables of plain arrays."""
             return {
-                str(name): TableVariable(tuple(map(str, a.dims)), a.values, dict(a.attrs))
-                for name, a in arrays.items()
+                str(name): TableVariable(
+                    tuple(map(str, array.dims)), array.values, dict(array.attrs)
+                )
+                for name, array in arrays.items()
             }
 
         return cls(plain(dataset.coords), plain(dataset.data_vars), dict(dataset.attrs))
@@ -121,16 +127,16 @@ class Table:
         """
         import xarray  # heavy, and a file or a reply does not need it
 
-        def view(variables: Mapping[str, TableVariable]) -> dict[str, Any]:
+        def in_xarray(variables: Mapping[str, TableVariable]) -> dict[str, Any]:
             """Return variables of xarray."""
             return {
-                name: xarray.Variable(v.dims, v.values, dict(v.attributes))
-                for name, v in variables.items()
+                name: xarray.Variable(variable.dims, variable.values, dict(variable.attributes))
+                for name, variable in variables.items()
             }
 
         return xarray.Dataset(
-            view(self.variables),
-            coords=view(self.coordinates),
+            in_xarray(self.variables),
+            coords=in_xarray(self.coordinates),
             attrs={**self.attributes, **self.price},
         )
 
@@ -150,14 +156,14 @@ def quantity_attributes(name: str, **extra: str) -> dict[str, Any]:
     }
 
 
-def regime_attributes(names: tuple[str, ...], judged: Sequence[str] = ()) -> dict[str, Any]:
+def regime_attributes(names: tuple[str, ...], judged_outputs: Sequence[str] = ()) -> dict[str, Any]:
     """Return the CF flag attributes of a variable with the named regimes.
 
-    `judged` are the outputs for which it speaks; none are named if it is the only such variable.
+    `judged_outputs` are those for which it speaks; none are named if it is the only such variable.
     """
     attributes = flag_attributes("regime", REGIMES, names)
-    if judged:
-        labels = ", ".join(in_sentence(QUANTITIES[name].label) for name in judged)
+    if judged_outputs:
+        labels = ", ".join(in_sentence(QUANTITIES[name].label) for name in judged_outputs)
         attributes["long_name"] += f" of {labels}"
     return attributes
 
@@ -203,8 +209,8 @@ def judge_of(attributes: Mapping[Any, Any], names: Container[Any]) -> str | None
         The variables of the result.
     """
     linked = str(attributes.get("ancillary_variables", "")).split()
-    found = [name for name in linked if is_regime(name) and name in names]
-    return found[0] if found else None
+    judges = [name for name in linked if is_regime(name) and name in names]
+    return judges[0] if judges else None
 
 
 def is_valid(regimes: NDArray[np.integer]) -> NDArray[np.bool_]:

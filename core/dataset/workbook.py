@@ -70,12 +70,12 @@ def _pieces(frame: Frame) -> Iterator[bytes]:
 
 def _sheets(frame: Frame) -> dict[str, tuple[list[int], Iterable[Row]]]:
     """Return the widths of the columns and the rows of each sheet by its title."""
-    fixed = {name for name, one in frame.table.coordinates.items() if not one.dims}
-    shown = {name: one for name, one in frame.columns.items() if name not in fixed}
-    constants = {name: one for name, one in frame.columns.items() if name in fixed}
-    widths = [max(10, len(heading(name, one)) + 2) for name, one in shown.items()]
+    constant_names = {name for name, column in frame.table.coordinates.items() if not column.dims}
+    varying = {name: column for name, column in frame.columns.items() if name not in constant_names}
+    constants = {name: column for name, column in frame.columns.items() if name in constant_names}
+    widths = [max(10, len(heading(name, column)) + 2) for name, column in varying.items()]
     return {
-        "values": (widths, _values(frame, shown)),
+        "values": (widths, _values(frame, varying)),
         "constants": ([30, 24, 12, 40], _constants(frame, constants)),
         "columns": ([30, 12, 10, 40, 100, 30], _columns(frame.columns)),
         "study": ([24, 120], _study(frame.about)),
@@ -83,7 +83,7 @@ def _sheets(frame: Frame) -> dict[str, tuple[list[int], Iterable[Row]]]:
 
 
 def _values(frame: Frame, shown: Mapping[str, TableVariable]) -> Iterator[Row]:
-    yield [heading(name, one) for name, one in shown.items()]
+    yield [heading(name, column) for name, column in shown.items()]
     for piece in frame.pieces(ROWS):
         yield from zip(*(piece[name].tolist() for name in shown), strict=True)
 
@@ -91,15 +91,15 @@ def _values(frame: Frame, shown: Mapping[str, TableVariable]) -> Iterator[Row]:
 def _constants(frame: Frame, constants: Mapping[str, TableVariable]) -> Iterator[Row]:
     yield "name", "value", "unit", "label"
     first = next(frame.pieces(1))
-    for name, one in constants.items():
-        yield name, *first[name].tolist(), *_texts(one, "units", "long_name")
+    for name, column in constants.items():
+        yield name, *first[name].tolist(), *_texts(column, "units", "long_name")
 
 
 def _columns(columns: Mapping[str, TableVariable]) -> Iterator[Row]:
     yield "name", "unit", "symbol", "label", "description", "depends on"
-    for name, one in columns.items():
-        texts = _texts(one, "units", "symbol", "long_name", "comment")
-        yield name, *texts, ", ".join(one.dims)
+    for name, column in columns.items():
+        texts = _texts(column, "units", "symbol", "long_name", "comment")
+        yield name, *texts, ", ".join(column.dims)
 
 
 def _texts(column: TableVariable, *attributes: str) -> list[str]:

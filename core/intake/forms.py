@@ -57,13 +57,17 @@ def read_content(path: Path) -> object:
     if suffix in NO_STUDIES:
         _fail("file", *NO_STUDIES[suffix])
     try:
-        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin it with a mark
+        text = path.read_text(encoding="utf-8-sig")  # with or without a byte order mark
     except UnicodeDecodeError as error:
-        wide = error.object.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))  # PowerShell 5
+        # PowerShell 5 writes UTF-16 by `>`.
+        is_utf16 = error.object.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
         _fail(
             "file",
             "it is not UTF-8 text",
-            ("Save it as UTF-8" + ("; in PowerShell write it with -o FILE, not >" if wide else "")),
+            (
+                "Save it as UTF-8"
+                + ("; in PowerShell write it with -o FILE, not >" if is_utf16 else "")
+            ),
             error,
         )
     except OSError as error:
@@ -83,7 +87,7 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
             _READERS[other](text)
         except StudyError:
             (problem,) = error.problems
-            if problem.place == "body":  # the word of requests
+            if problem.place == "body":  # the place of requests
                 problem = Problem(
                     "file", problem.message, SYNTAX if problem.fix == EXPECTED else problem.fix
                 )
@@ -102,8 +106,8 @@ def read_toml(text: str) -> object:
     except (ValueError, RecursionError) as error:
         if _TOO_LONG in str(error):
             _fail("file", *TOO_LARGE, error)
-        found = re.search(r"at line (\d+)", str(error))
-        number = int(found[1]) if found else 0
+        match = re.search(r"at line (\d+)", str(error))
+        number = int(match[1]) if match else 0
         _refuse_comma("file", text, number)
         fix = f'{SYNTAX}: put texts, such as "20 deg", in quotes'
         if number and re.search(r'"[^"]*\\', text.split("\n")[number - 1]):
@@ -121,7 +125,7 @@ def read_json(text: str | bytes) -> object:
     deeply: texts come from the network.
     """
     try:
-        # By itself json would let halves of characters through, and take other encodings.
+        # json itself would accept other encodings, and lone surrogates.
         text = text if isinstance(text, str) else text.decode("utf-8-sig")
         if text.count("[") + text.count("{") > MAX_BRACKETS:
             _fail("body", f"it holds more than {MAX_BRACKETS:,} objects and lists", EXPECTED)
@@ -135,7 +139,7 @@ def read_json(text: str | bytes) -> object:
             _refuse_comma("body", error.doc, error.lineno)
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
         _fail("body", f"it is not JSON: {reason}"[:300], EXPECTED, error)
-    # What is no text can stand there as an escape only, or as itself in what Python hands over.
+    # Lone surrogates come from escapes only, or from a str that Python callers pass.
     _check_values(content, texts="\\u" in text or not text.isascii())
     return content
 
@@ -144,7 +148,7 @@ def _refuse_comma(path: str, text: str, number: int) -> None:
     line = text.split("\n")[number - 1] if number else ""
     comma = re.search(r"[=:]\s*([-+]?\d+),(\d+)", line)
     if comma is not None:
-        whole, decimals = (part[:20] for part in comma.groups())
+        whole, decimals = (digits[:20] for digits in comma.groups())
         _fail(
             path,
             f"line {number}: the number {whole},{decimals} has a decimal comma",
@@ -157,13 +161,13 @@ _READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": rea
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(pairs) > MAX_KEYS:
-        begins = f"the object that begins with '{_shown(pairs[0][0])}'"
-        _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,}")
+        subject = f"the object that begins with '{_shown(pairs[0][0])}'"
+        _fail("body", f"{subject} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,}")
     content = dict(pairs)
     if len(content) < len(pairs):
         names = [name for name, _ in pairs]
-        twice = next(name for k, name in enumerate(names) if name in names[:k])
-        raise ValueError(f"the key '{_shown(twice)}' appears twice in one JSON object")
+        repeated = next(name for index, name in enumerate(names) if name in names[:index])
+        raise ValueError(f"the key '{_shown(repeated)}' appears twice in one JSON object")
     return content
 
 
@@ -172,30 +176,32 @@ def _refuse_constant(constant: str) -> NoReturn:
 
 
 def _check_values(content: object, *, texts: bool) -> None:
-    level: list[tuple[str, Any]] = [("", [content])]
+    level: list[tuple[str, Any]] = [("", [content])]  # dicts and lists of one depth, with paths
     for _ in range(DEEPEST + 1):
-        below: list[tuple[str, Any]] = []
-        for path, part in level:
-            if isinstance(part, dict):
-                for key, value in part.items():
-                    within = f"{path}.{_shown(key)}".lstrip(".")
+        next_level: list[tuple[str, Any]] = []
+        for path, container in level:
+            if isinstance(container, dict):
+                for key, value in container.items():
+                    inner_path = f"{path}.{_shown(key)}".lstrip(".")
                     if texts and _is_no_text(key):
-                        _fail(within, "its name holds an invalid character", "Fix the name")
-                    _check_plain(within, (value,), texts)
+                        _fail(inner_path, "its name holds an invalid character", "Fix the name")
+                    _check_plain(inner_path, (value,), texts)
                     if isinstance(value, dict | list):
-                        below.append((within, value))
+                        next_level.append((inner_path, value))
             else:
-                _check_plain(path, part, texts)
-                below.extend((path, item) for item in part if isinstance(item, dict | list))
-        if not below:
+                _check_plain(path, container, texts)
+                next_level.extend(
+                    (path, item) for item in container if isinstance(item, dict | list)
+                )
+        if not next_level:
             return
-        level = below
+        level = next_level
     _fail(level[0][0][:100] or "body", "it is nested too deeply", EXPECTED)
 
 
 def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
-    plain = {*map(type, values)} <= {int, float}
-    numbers = values if plain else [one for one in values if type(one) in (int, float)]
+    all_numbers = {*map(type, values)} <= {int, float}
+    numbers = values if all_numbers else [value for value in values if type(value) in (int, float)]
     if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
         _fail(path or "body", *TOO_LARGE)
     if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
@@ -238,9 +244,9 @@ def to_toml(content: Mapping[str, Any]) -> str:
     import tomlkit
 
     document = tomlkit.document()
-    # What stands below the name of a table belongs to it: plain values come first.
+    # Plain values come first: those below the name of a table would belong to it.
     for name, value in sorted(content.items(), key=lambda item: _depth(item[1])):
-        if value is None:  # which TOML cannot say, and which leaving out says as well
+        if value is None:  # TOML has no null: left out, it has its default
             continue
         if name in SECTIONS and SECTIONS[name].by_parameter:
             table = tomlkit.table()
@@ -341,24 +347,29 @@ def resolve_files(content: Mapping[str, Any], form: str, folder: Path) -> dict[s
     """
     if form not in REQUESTS:
         return _with_files(content, lambda name: _path_from(Path(name), form, folder))
-    sent = {**with_posteriors(in_letters(content)[0], files=True).content}
-    runs, designs, drive = (sent.get(key) for key in ("observations", "designs", "drive"))
+    request_content = {**with_posteriors(in_letters(content)[0], files=True).content}
+    runs, designs, drive = (
+        request_content.get(key) for key in ("observations", "designs", "drive")
+    )
     if isinstance(runs, str):
-        sent["observations"] = read_rows(Path(runs))
+        request_content["observations"] = read_rows(Path(runs))
     if names_file(designs):
-        sent["designs"] = read_rows(Path(designs["file"]), "designs")
+        request_content["designs"] = read_rows(Path(designs["file"]), "designs")
     if names_file(drive):
-        sent["drive"] = _with_text(drive)
-    if sent.get("part") is None:
-        return sent
-    resolved = with_part(sent, files=True)
+        request_content["drive"] = _with_text(drive)
+    if request_content.get("part") is None:
+        return request_content
+    resolved = with_part(request_content, files=True)
     raise_any(resolved.problems)
     return resolved.content
 
 
 def _with_files(content: Mapping[str, Any], move: Callable[[str], str]) -> dict[str, Any]:
-    sections = {key: one for key, one in content.items() if key in SECTIONS}
-    return {**content, **{key: SECTIONS[key].beside(one, move) for key, one in sections.items()}}
+    sections = {key: section for key, section in content.items() if key in SECTIONS}
+    return {
+        **content,
+        **{key: SECTIONS[key].beside(section, move) for key, section in sections.items()},
+    }
 
 
 def _with_text(drive: Mapping[str, Any]) -> dict[str, Any]:
@@ -382,7 +393,7 @@ def _path_from(file: Path, form: str, folder: Path) -> str:
 def _depth(value: object) -> int:
     if isinstance(value, Mapping):
         return 1
-    in_tables = isinstance(value, list) and any(isinstance(one, Mapping) for one in value)
+    in_tables = isinstance(value, list) and any(isinstance(entry, Mapping) for entry in value)
     return 2 if in_tables else 0
 
 
@@ -390,24 +401,26 @@ def _in_line(tomlkit: Any, value: Any) -> Any:
     if not isinstance(value, Mapping):
         return tomlkit.item(_writable(tomlkit, value))
     table = tomlkit.inline_table()
-    table.update({name: _writable(tomlkit, one) for name, one in value.items()})
+    table.update({name: _writable(tomlkit, entry) for name, entry in value.items()})
     return table
 
 
 def _writable(tomlkit: Any, value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {n: _writable(tomlkit, part) for n, part in value.items() if part is not None}
+        return {
+            name: _writable(tomlkit, entry) for name, entry in value.items() if entry is not None
+        }
     if not isinstance(value, list):
         return value
-    if any(isinstance(part, Mapping | list) for part in value):
-        return [_writable(tomlkit, part) for part in value]
-    return tomlkit.value(f"[{', '.join(tomlkit.item(part).as_string() for part in value)}]")
+    if any(isinstance(entry, Mapping | list) for entry in value):
+        return [_writable(tomlkit, entry) for entry in value]
+    return tomlkit.value(f"[{', '.join(tomlkit.item(entry).as_string() for entry in value)}]")
 
 
 def _literal(value: Any, column: int) -> str:
     if isinstance(value, str):
         return repr(value)
-    first, *more = pprint.pformat(
+    first_line, *others = pprint.pformat(
         value, width=max(WIDTH - column, 40), sort_dicts=False
     ).splitlines()
-    return "\n".join([first, *(" " * column + line for line in more)])
+    return "\n".join([first_line, *(" " * column + line for line in others)])

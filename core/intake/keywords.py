@@ -13,7 +13,7 @@ from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.quantities import QUANTITIES, letter_of
 from vibrafeed.core.scenes import SCENES
 from vibrafeed.core.study.grid_study import PARAMETERS, Study
-from vibrafeed.core.study.units import apart, dimension_of, with_own_unit
+from vibrafeed.core.study.units import dimension_of, split_unit, with_own_unit
 from vibrafeed.core.study.values import DESIGN, MAX_POINTS
 from vibrafeed.core.tables.headings import name_and_unit
 
@@ -48,13 +48,13 @@ def gather(
         _check_kind(study.kind, kind)
         return study
     content = {} if study is None else _content_of(study)
-    more = spread(keywords)
+    further = spread(keywords)
     parameters = content.get("parameters")
-    if isinstance(parameters, Mapping) and isinstance(more.get("parameters"), Mapping):
-        new = {*map(letter_of, more["parameters"])}
-        kept = {name: one for name, one in parameters.items() if letter_of(name) not in new}
-        more["parameters"] = kept | more["parameters"]
-    content |= more
+    if isinstance(parameters, Mapping) and isinstance(further.get("parameters"), Mapping):
+        new_names = {*map(letter_of, further["parameters"])}
+        others = {name: raw for name, raw in parameters.items() if letter_of(name) not in new_names}
+        further["parameters"] = others | further["parameters"]
+    content |= further
     if kind is not None:
         _check_kind(content.setdefault("kind", kind), kind)
     return content
@@ -75,29 +75,29 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
     """
     paired = paired_in(written)
     content: dict[str, Any] = {}
-    loose: dict[str, Any] = {}
+    parameters_beside: dict[str, Any] = {}
     for name, value in written.items():
         if _is_key(str(name)):
             content[str(name)] = plain(value, str(name))
         else:
-            loose[str(name)] = plain(value, f"parameters.{name}")
-    for place in (loose, content.get("parameters")):
-        if isinstance(place, dict):
-            place |= {name: {DESIGN: place[name]} for name in paired & place.keys()}
+            parameters_beside[str(name)] = plain(value, f"parameters.{name}")
+    for table in (parameters_beside, content.get("parameters")):
+        if isinstance(table, dict):
+            table |= {name: {DESIGN: table[name]} for name in paired & table.keys()}
     if isinstance(content.get("outputs"), str):
         content["outputs"] = [content["outputs"]]
-    inner = content.get("parameters", {})
-    if loose and isinstance(inner, Mapping):
+    parameters = content.get("parameters", {})
+    if parameters_beside and isinstance(parameters, Mapping):
         raise_any(
             Problem(
                 f"parameters.{name}",
                 "it is given twice",
                 "Give it once: by itself, or among the parameters",
             )
-            for name in loose
-            if name in inner
+            for name in parameters_beside
+            if name in parameters
         )
-        content["parameters"] = {**inner, **loose}
+        content["parameters"] = {**parameters, **parameters_beside}
     return content
 
 
@@ -108,25 +108,29 @@ def paired_in(written: Mapping[str, Any]) -> set[str]:
     the keys or among `parameters`. Raises `StudyError` if an array is along a parameter that is no
     array, or if there are several such dimensions.
     """
-    inner = written.get("parameters")
-    given = {**written, **inner} if isinstance(inner, Mapping) else written
-    dims = {str(name): letter_of(dimension_of(value)) for name, value in given.items()}
-    along = {name: dim for name, dim in dims.items() if letter_of(name) in PARAMETERS and dim}
-    counts = Counter(along.values())
-    shared = [dim for dim, count in counts.items() if count > 1 or dim == DESIGN]
+    parameters = written.get("parameters")
+    values = {**written, **parameters} if isinstance(parameters, Mapping) else written
+    dimensions = {str(name): letter_of(dimension_of(value)) for name, value in values.items()}
+    dimension_of_parameter = {
+        name: dimension
+        for name, dimension in dimensions.items()
+        if letter_of(name) in PARAMETERS and dimension
+    }
+    counts = Counter(dimension_of_parameter.values())
+    shared = [dimension for dimension, count in counts.items() if count > 1 or dimension == DESIGN]
     if len(shared) > 1:
         message = f"arrays share the dimensions {' and '.join(shared)}, and designs have one"
         raise refused("designs", message, "Give all of them along one dimension")
     raise_any(
         Problem(
             f"parameters.{name}",
-            f"its array is along '{dim}', another parameter",
-            f"Give a list if all combinations with {dim} are meant",
+            f"its array is along '{dimension}', another parameter",
+            f"Give a list if all combinations with {dimension} are meant",
         )
-        for name, dim in along.items()
-        if dim != letter_of(name) and dim in PARAMETERS and dim not in shared
+        for name, dimension in dimension_of_parameter.items()
+        if dimension != letter_of(name) and dimension in PARAMETERS and dimension not in shared
     )
-    return {name for name, dim in along.items() if dim in shared}
+    return {name for name, dimension in dimension_of_parameter.items() if dimension in shared}
 
 
 def plain(value: object, path: str) -> Any:
@@ -162,6 +166,7 @@ def plain(value: object, path: str) -> Any:
 
 
 def _numbers(value: Any, path: str) -> Any:
+    # Plain numbers; with a unit other than the parameter's own they become texts, `"20 mm"`.
     attributes = getattr(value, "attrs", None)
     if isinstance(attributes, dict) and attributes.keys() & {"scale_factor", "add_offset"}:
         raise refused(
@@ -169,7 +174,7 @@ def _numbers(value: Any, path: str) -> Any:
             "the numbers of the array are not decoded",
             "Open the file with mask_and_scale=True, the default of xarray",
         )
-    numbers, unit = apart(value)
+    numbers, unit = split_unit(value)
     if getattr(numbers, "ndim", 0) == 2 and path == "drive.mounting":  # a rotation matrix
         return numbers.tolist()
     if getattr(numbers, "ndim", 0) > 1:
@@ -179,8 +184,8 @@ def _numbers(value: Any, path: str) -> Any:
             "Give an array of one dimension, or one number",
         )
     quantity = QUANTITIES.get(letter_of(path.rpartition(".")[2]))
-    own = "1" if path in keys_of_studies() else "" if quantity is None else quantity.unit
-    unit = "" if unit == own else unit
+    own_unit = "1" if path in keys_of_studies() else "" if quantity is None else quantity.unit
+    unit = "" if unit == own_unit else unit
     if hasattr(numbers, "tolist"):
         kind = getattr(getattr(numbers, "dtype", None), "kind", "")
         numbers = numbers.tolist()
@@ -198,8 +203,8 @@ def _columns(table: Any) -> Iterator[tuple[str, Any]]:
         return
     for heading in table.columns:
         name, unit = name_and_unit(str(heading))
-        numbers, own = apart(table[heading])
-        yield name, [with_own_unit(number, own or unit) for number in numbers.tolist()]
+        numbers, own_unit = split_unit(table[heading])
+        yield name, [with_own_unit(number, own_unit or unit) for number in numbers.tolist()]
 
 
 def _content_of(study: object) -> dict[str, Any]:
@@ -228,10 +233,10 @@ def _may_be_scene(text: str) -> bool:
 def _is_key(name: str) -> bool:
     if name in keys_of_studies() or letter_of(name) in PARAMETERS:
         return name in keys_of_studies()
-    near: Iterable[str] = difflib.get_close_matches(
+    similar: Iterable[str] = difflib.get_close_matches(
         name[:60], (*keys_of_studies(), *PARAMETERS), n=1
     )
-    return any(known in keys_of_studies() for known in near)
+    return any(similar_name in keys_of_studies() for similar_name in similar)
 
 
 def _check_kind(actual: object, kind: str | None) -> None:

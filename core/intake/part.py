@@ -75,17 +75,17 @@ def with_part(content: Content, files: bool) -> Resolved:
 
 def _with_aspects(content: Content, count: int) -> Content:
     """The content, in which a resting part has all its aspects where none is named."""
-    named = [content.get(key) for key in ("parameters", "variables", "uncertain")]
-    is_set = any(isinstance(one, Mapping) and "aspect" in one for one in named)
+    sections = [content.get(key) for key in ("parameters", "variables", "uncertain")]
+    is_set = any(isinstance(section, Mapping) and "aspect" in section for section in sections)
     outputs, parameters = content.get("outputs"), content.get("parameters", {})
-    asked = outputs if isinstance(outputs, list | tuple) else ()
-    needed = any(output not in PLAIN for output in asked)
+    names = outputs if isinstance(outputs, list | tuple) else ()
+    needed = any(output not in PLAIN for output in names)
     if is_set or not needed or content.get("scene") != "resting-part":
         return content
     if not isinstance(parameters, Mapping):
-        return content  # which its reader tells
-    every = {"start": 1, "stop": count, "num": count} if count > 1 else 1
-    return {**content, "parameters": {**parameters, "aspect": every}}
+        return content  # refused where it is read
+    all_aspects = {"start": 1, "stop": count, "num": count} if count > 1 else 1
+    return {**content, "parameters": {**parameters, "aspect": all_aspects}}
 
 
 def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
@@ -94,17 +94,17 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
     `files` is True if files of this machine may be read. Raises `StudyError` with every problem.
     """
     _raise_if_missing("trimesh", "a part from its file")
-    from vibrafeed.core.solid import RoundedError, aspects_of  # with trimesh, half a second
+    from vibrafeed.core.solid import RoundedError, aspects_of  # trimesh takes half a second
 
     try:
-        asked = PartFile.model_validate(part)
+        section = PartFile.model_validate(part)
     except ValidationError as error:
         raise StudyError(problems_of(error, {"part": PART}, PART.unknown, within="part")) from None
-    raw, name = _content(asked, files)
-    path = "part.data" if asked.file is None else "part.file"
-    # Of numbers that are not finite the library tries normals; without volume there is no centre.
+    raw, name = _content(section, files)
+    path = "part.data" if section.file is None else "part.file"
+    # Coordinates that are not finite, or no volume, make trimesh warn; faults are told below.
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        solid = _solid(raw, name, path, asked.unit)
+        solid = _solid(raw, name, path, section.unit)
         raise_any(_faults(solid, name, path))
     try:
         aspects = aspects_of(solid)
@@ -122,7 +122,7 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
         volume=_rounded(solid.volume),
         centre=_rounded(solid.center_mass),
         inertia=_rounded(solid.moment_inertia),
-        aspects=tuple(_kept(one) for one in aspects),
+        aspects=tuple(_kept(aspect) for aspect in aspects),
         corners=_rounded(surface.vertices - solid.center_mass, PICTURE_DIGITS),
         triangles=tuple(map(tuple, surface.faces.tolist())),
     )
@@ -152,9 +152,10 @@ def _kept(aspect: PartAspect) -> PartAspect:
     return PartAspect(**{name: _rounded(value) for name, value in vars(aspect).items()})
 
 
-def _content(asked: PartFile, files: bool) -> tuple[bytes, str]:
+def _content(section: PartFile, files: bool) -> tuple[bytes, str]:
+    # The bytes and the name of the part's file.
     text = "the text of an ASCII STL, OBJ or STEP file, or a binary STL file in Base64"
-    source = source_of("part", asked.file, asked.data, "file", text, files=files)
+    source = source_of("part", section.file, section.data, "file", text, files=files)
     if isinstance(source, str):
         return _of_text(source), "data"
     if source.suffix.lower() not in SUFFIXES:
@@ -167,7 +168,7 @@ def _content(asked: PartFile, files: bool) -> tuple[bytes, str]:
         if source.stat().st_size > MAX_BYTES:
             raise _too_large("part.file", source.name)
         return source.read_bytes(), source.name
-    except (OSError, ValueError) as error:  # a NUL in its name is the second
+    except (OSError, ValueError) as error:  # ValueError: a NUL in its name
         raise unreadable("part.file", error, source, "the file") from None
 
 
@@ -248,7 +249,7 @@ def _solid(raw: bytes, name: str, path: str, unit: str | None) -> "Trimesh":
 
     kind = _kind(raw, name)
     _raise_if_unit_is_wrong(kind, unit)
-    metre = 1.0 if unit is None else UNITS[unit]
+    unit_in_metres = 1.0 if unit is None else UNITS[unit]
     if kind == "step":
         raw, kind = _tessellated(raw, name, path), "glb"
     if kind == "obj":
@@ -256,11 +257,11 @@ def _solid(raw: bytes, name: str, path: str, unit: str | None) -> "Trimesh":
             raise _too_large(path, name)
         if re.search(rb"^f(?=\s)[^#\n]*\s0+(?=[/\s]|$)", raw, re.MULTILINE):
             raise _damaged(path, f"{name}: a face names the vertex 0, and they begin at 1")
-        # Each material would be a surface of its own.
+        # Without these lines, since trimesh splits the surface by material and by object.
         raw = re.sub(rb"^(usemtl|mtllib|o|g)\s.*", b"", raw, flags=re.MULTILINE)
     try:
         solid = load_mesh(io.BytesIO(raw), file_type=kind, process=False, skip_materials=True)
-    except Exception as error:  # of a damaged file the library raises of many kinds
+    except Exception as error:  # the library raises many kinds for damaged files
         raise _damaged(path, f"{name}: {error}") from None
     if not isinstance(solid, Trimesh) or not len(solid.faces):
         raise refused(path, f"{name} has no triangles, or is damaged", EXPORT)
@@ -268,7 +269,7 @@ def _solid(raw: bytes, name: str, path: str, unit: str | None) -> "Trimesh":
         raise _too_large(path, name)
     if not np.isfinite(solid.vertices).all():
         raise refused(path, f"{name} has coordinates that are not finite numbers", EXPORT)
-    size = metre * float(np.ptp(solid.vertices, axis=0).max())
+    size = unit_in_metres * float(np.ptp(solid.vertices, axis=0).max())
     if not SIZES[0] <= size <= SIZES[1]:
         fix = "give the unit of the file's coordinates: " + ", ".join(UNITS)
         raise refused(
@@ -279,9 +280,9 @@ def _solid(raw: bytes, name: str, path: str, unit: str | None) -> "Trimesh":
         )
     solid.merge_vertices(merge_tex=True, merge_norm=True)
     corners = solid.faces
-    # A triangle with two corners at one point covers nothing.
+    # Leave out triangles with two corners at one point.
     solid.update_faces((corners != np.roll(corners, 1, axis=1)).all(axis=1))
-    solid.apply_scale(metre)  # type: ignore[no-untyped-call]
+    solid.apply_scale(unit_in_metres)  # type: ignore[no-untyped-call]
     return solid
 
 
@@ -309,10 +310,12 @@ def _bodies(solid: "Trimesh") -> int:
     labels = connected_component_labels(solid.face_adjacency, node_count=faces)  # type: ignore[no-untyped-call]
     a, b, c = np.moveaxis(solid.triangles - solid.bounds[0], 1, 0)
     volumes = np.bincount(labels, np.einsum("ij,ij->i", a, np.cross(b, c)))
-    outer = solid.triangles[labels == volumes.argmax()]
-    spans = np.array_equal([outer.min((0, 1)), outer.max((0, 1))], solid.bounds)
-    # A body inside the outer one whose triangles face inwards is a void.
-    return 1 if spans and (volumes > 0).sum() == 1 else len(volumes)
+    outer_triangles = solid.triangles[labels == volumes.argmax()]
+    is_enclosing = np.array_equal(
+        [outer_triangles.min((0, 1)), outer_triangles.max((0, 1))], solid.bounds
+    )
+    # Six times each body's signed volume: negative for a void, whose triangles face inwards.
+    return 1 if is_enclosing and (volumes > 0).sum() == 1 else len(volumes)
 
 
 def _absent(stranger: Stranger) -> Problem:

@@ -118,8 +118,10 @@ def advice_on_path(path: str | Path, fix: str) -> str:
     characters, such as a tab.
     """
     text = str(path)
-    slipped = ("\\" in text and os.sep == "/") or any(letter in text for letter in "\b\t\n\f\r")
-    return "Write / between the folders of a path, not \\" if slipped else fix
+    has_backslashes = ("\\" in text and os.sep == "/") or any(
+        letter in text for letter in "\b\t\n\f\r"
+    )
+    return "Write / between the folders of a path, not \\" if has_backslashes else fix
 
 
 @dataclass(frozen=True)
@@ -214,7 +216,7 @@ def problems_of(
     """
     faults = error.errors(include_url=False)
     outside = [] if within else [str(fault["loc"][0]) for fault in faults if _is_outside(fault)]
-    suggest = Suggestions()
+    suggestions = Suggestions()
     problems = []
     if outside:
         problems.append(
@@ -231,12 +233,12 @@ def problems_of(
     for fault in faults[:MAX_PROBLEMS]:
         path, tag, section = _path_of([*filter(None, [within]), *fault["loc"]], sections)
         if fault["type"] == "extra_forbidden":
-            says = section.unknown if len(path) > 1 else unknown
+            explain = section.unknown if len(path) > 1 else unknown
             problems.append(
-                says(Stranger(path, section.place(path), tag, keys, parameters, suggest))
+                explain(Stranger(path, section.place(path), tag, keys, parameters, suggestions))
             )
         else:
-            problems.append(_problem(fault, path, section, suggest))
+            problems.append(_problem_of_value(fault, path, section, suggestions))
     if len(faults) > MAX_PROBLEMS:
         problems.append(
             Problem(
@@ -262,26 +264,26 @@ def _is_outside(error: Mapping[str, Any]) -> bool:
     return error["type"] == "extra_forbidden" and not below and letter_of(name) in PARAMETERS
 
 
-def _problem(
-    error: Mapping[str, Any], path: list[Any], section: Section, suggest: Suggestions
+def _problem_of_value(
+    error: Mapping[str, Any], path: list[Any], section: Section, suggestions: Suggestions
 ) -> Problem:
     key, kind = section.place(path), error["type"]
     context: dict[str, Any] = error.get("ctx", {})
     if kind == "value":
         fix = context["fix"]
-        return Problem(key, context["message"], suggest.within(fix) if callable(fix) else fix)
+        return Problem(key, context["message"], suggestions.within(fix) if callable(fix) else fix)
     if kind == "union_tag_invalid":
         tag = str(context["tag"])[:60]
-        return Problem(f"{key}.kind", f"'{tag}' is not a {path[0]}", suggest(tag, section.tags))
+        return Problem(f"{key}.kind", f"'{tag}' is not a {path[0]}", suggestions(tag, section.tags))
     if kind == "union_tag_not_found":
-        named = " or ".join(f'"{name}"' for name in section.tags)
-        return Problem(f"{key}.kind", "it is missing", f"Write kind = {named}")
+        kinds = " or ".join(f'"{name}"' for name in section.tags)
+        return Problem(f"{key}.kind", "it is missing", f"Write kind = {kinds}")
     if kind == "missing":
         return Problem(key, "it is missing", f"Add {str(path[-1])[:60] if path else ''}")
     if kind not in VALUES:
         return Problem(key, error["msg"].removesuffix("."), "Fix the value or its type")
-    said = _shown(error.get("input"))
-    return Problem(key, *(text.format(said=said, **context) for text in VALUES[kind]))
+    shown_input = _shown(error.get("input"))
+    return Problem(key, *(text.format(said=shown_input, **context) for text in VALUES[kind]))
 
 
 def _shown(value: object) -> str:
@@ -322,10 +324,18 @@ def _with_drive(content: Content, files: bool) -> Resolved:
     record, fit = _measured_drive(
         content["drive"], _slopes(content), files=files, kind=str(content.get("kind"))
     )
-    own = _parameter_sections(content)
-    numbers = {n: v for n, v in record.numbers.items() if not any(n in given for given in own)}
-    written = content.get("parameters", {})  # if it is none, its reader says so
-    parameters = {**written, **numbers} if isinstance(written, Mapping) else written
+    sections = _parameter_sections(content)
+    numbers = {
+        name: number
+        for name, number in record.numbers.items()
+        if not any(name in section for section in sections)
+    }
+    parameters_given = content.get("parameters", {})  # if it is no mapping, its reader refuses it
+    parameters = (
+        {**parameters_given, **numbers}
+        if isinstance(parameters_given, Mapping)
+        else parameters_given
+    )
     return Resolved(
         {**content, "parameters": parameters, "drive": record.model_dump(exclude_none=True)},
         fit=fit,
@@ -337,10 +347,10 @@ def tilt_questions(fit: "measured.Fit | None", content: Mapping[str, Any]) -> li
     if fit is None or fit.tilt is None:
         return []
     climb = math.degrees(fit.tilt.climb)
-    least, most = map(math.degrees, _slopes(content).get("along", (0.0, 0.0)))
-    if least - ASKED_FROM <= climb <= most + ASKED_FROM:
+    lower, upper = map(math.degrees, _slopes(content).get("along", (0.0, 0.0)))
+    if lower - ASKED_FROM <= climb <= upper + ASKED_FROM:
         return []
-    stated = f"{least:.3g}" if least == most else f"{least:.3g} to {most:.3g}"
+    stated = f"{lower:.3g}" if lower == upper else f"{lower:.3g} to {upper:.3g}"
     return [
         f"the recording shows a track that climbs by {climb:.3g} degrees, the study computes with "
         f"gamma = {stated} degrees. Is the sensor in line with the track, and gamma right?"
@@ -351,47 +361,49 @@ def channel_questions(fit: "measured.Fit | None") -> list[str]:
     """Return questions about channels of a recording that move as those of no feeder."""
     if fit is None:
         return []
-    known = ("across", *(("normal",) if fit.tilt else ()))  # gravity shows the normal one
-    asked = [
+    may_rest = ("across", *(("normal",) if fit.tilt else ()))  # gravity confirms the normal one
+    found = [
         f"the recording's {axis} channel shows no motion of the drive. Is it the right column?"
-        for axis, told in zip(fit.axes, fit.significant, strict=True)
-        if not told.any() and axis not in known
+        for axis, is_significant in zip(fit.axes, fit.significant, strict=True)
+        if not is_significant.any() and axis not in may_rest
     ]
     largest = fit.axes[int(fit.amplitudes.max(axis=1).argmax())]
     if largest == "across" and len(fit.axes) > 1:
-        asked.append(
+        found.append(
             "the recording moves most across the track. Are the names of the channels, or the "
             "mounting, right?"
         )
-    return asked
+    return found
 
 
 def _parameter_sections(content: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [
-        one
+        section
         for key in ("parameters", "variables", "uncertain", "unknowns")
-        if isinstance(one := content.get(key), Mapping)
+        if isinstance(section := content.get(key), Mapping)
     ]
 
 
 def _slopes(content: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    # The least and the largest slope of the track by axis [rad], where the study gives them.
     slopes = {}
     for axis, name in (("along", "gamma"), ("across", "delta")):
-        given = (one for one in _parameter_sections(content) if name in one)
-        written = [value for one in given for value in leaves_of(one[name])]
+        sections = (section for section in _parameter_sections(content) if name in section)
+        angles_given = [value for section in sections for value in leaves_of(section[name])]
         try:
-            angles = read_numbers(name, QUANTITIES[name], written) if written else ()
+            angles = read_numbers(name, QUANTITIES[name], angles_given) if angles_given else ()
         except UnitError:
-            continue  # which is told where the value is read
+            continue  # refused where the value is read
         if angles:
-            least, most = math.radians(min(angles)), math.radians(max(angles))
-            slopes[axis] = (least, most) if axis == "along" else (-abs(most), abs(most))
+            lower, upper = math.radians(min(angles)), math.radians(max(angles))
+            slopes[axis] = (lower, upper) if axis == "along" else (-abs(upper), abs(upper))
     return slopes
 
 
 def _measured_drive(
     drive: Mapping[str, Any], slopes: Mapping[str, tuple[float, float]], files: bool, kind: str
 ) -> "tuple[MeasuredDrive, measured.Fit | None]":
+    # The drive as a study stores it, and the fit, None for a recording that is followed once.
     try:
         fields = RecordedDrive.model_validate(drive)
     except ValidationError as error:
@@ -401,8 +413,8 @@ def _measured_drive(
     csv = "the text of the recording's CSV"
     source = source_of("drive", fields.file, fields.data, "recording", csv, files=files)
     path = "drive.file" if isinstance(source, Path) else "drive.data"
-    asked = fields.model_dump(exclude_none=True, exclude={"file", "data", "once"})
-    recording, fit = measured.Recording(**asked, slopes=slopes), None
+    options = fields.model_dump(exclude_none=True, exclude={"file", "data", "once"})
+    recording, fit = measured.Recording(**options, slopes=slopes), None
     try:
         if fields.once and kind != "simulate":
             raise refused("once", f"a study of kind '{kind}' needs a drive that repeats", ONLY_ONCE)
@@ -418,7 +430,7 @@ def _measured_drive(
         )
     except StudyError as error:
         raise StudyError(_placed(problem, path) for problem in error.problems) from None
-    except (OSError, ValueError) as error:  # a NUL in its name is the second
+    except (OSError, ValueError) as error:  # ValueError: a NUL in its name
         raise unreadable(path, error, source, "a CSV file") from None
     origin = {
         "name": source.name if isinstance(source, Path) else "data",
@@ -427,20 +439,22 @@ def _measured_drive(
     if fit is None:
         numbers = {"frequency": 1.0 / signal.times[-1], "burst_periods": 1.0}
         samples = {"time": signal.times, **dict(zip(signal.axes, signal.values, strict=True))}
-        kept: dict[str, Any] = {
+        fields_of_record: dict[str, Any] = {
             "left_over": {},
-            "samples": {name: [*map(_rounded, one.tolist())] for name, one in samples.items()},
+            "samples": {
+                name: [*map(_rounded, values.tolist())] for name, values in samples.items()
+            },
             "derivative": signal.derivative,
             "constant": {axis: _rounded(mean) for axis, mean in constant.items()},
         }
     else:
         numbers = fit.parameters()
-        kept = {
+        fields_of_record = {
             "left_over": dict(zip(fit.axes, map(_rounded, fit.left_over), strict=True)),
             "clock_error": None if fit.clock is None else _rounded(fit.clock.error),
         }
     rounded = {name: _rounded(value) for name, value in numbers.items()}
-    return MeasuredDrive.model_validate({**origin, **kept, "numbers": rounded}), fit
+    return MeasuredDrive.model_validate({**origin, **fields_of_record, "numbers": rounded}), fit
 
 
 def unreadable(path: str, error: Exception, source: str | Path, kind: str) -> StudyError:
@@ -478,7 +492,7 @@ def source_of(
 
 
 def _table(source: str | Path, path: str, files: bool) -> InputTable:
-    # Most lines are rows: what has far too many is not read.
+    # Nearly all lines are rows: a text with far too many lines is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     limit = f"the limit over HTTP is {MAX_ROWS_SENT:,}"
     fix = "Shorten the recording: one second of motion is enough"

@@ -45,14 +45,14 @@ HEADING = (
 
 
 def _with_rows(content: Content, files: bool) -> Resolved:
-    named = content["observations"]
-    if not isinstance(named, str):
+    observations = content["observations"]
+    if not isinstance(observations, str):
         return Resolved(content)
     if not files:
         raise refused(
             "observations", "the service reads no files", "Give its rows: a list of objects"
         )
-    return Resolved({**content, "observations": read_rows(Path(named))})
+    return Resolved({**content, "observations": read_rows(Path(observations))})
 
 
 def read_rows(path: Path, section: str = "observations") -> list[dict[str, Any]]:
@@ -64,7 +64,7 @@ def read_rows(path: Path, section: str = "observations") -> list[dict[str, Any]]
     """
     try:
         table = read_table(path, section)
-    except (OSError, ValueError) as error:  # a NUL in its name is the second
+    except (OSError, ValueError) as error:  # ValueError: a NUL in its name
         raise refused(
             section,
             f"{path.name} cannot be read: {getattr(error, 'strerror', None) or error}",
@@ -96,8 +96,8 @@ def _is_of_remarks(name: str, column: Column) -> bool:
     # A misspelt name of a column of words is no remark.
     if name.casefold().strip(".") in _NUMBERS_OF_ROWS:
         return True
-    some = [cell for cell in column.cells if str(cell).strip()]
-    return not (any(is_value(str(cell)) for cell in some) or nearest(name, _COLUMNS))
+    filled_cells = [cell for cell in column.cells if str(cell).strip()]
+    return not (any(is_value(str(cell)) for cell in filled_cells) or nearest(name, _COLUMNS))
 
 
 def _all_columns(rows: Any) -> Iterable[str]:
@@ -160,8 +160,10 @@ def paired(content: Any) -> tuple[Any, list[Problem]]:
             if not isinstance(values, list | tuple)
         ]
     else:
-        known = [row for row in rows if isinstance(row, Mapping)]
-        columns = {str(name): [row.get(name) for row in known] for row in known for name in row}
+        row_tables = [row for row in rows if isinstance(row, Mapping)]
+        columns = {
+            str(name): [row.get(name) for row in row_tables] for row in row_tables for name in row
+        }
         problems += [
             Problem(f"designs row {values.index(None) + 1}", f"it has no {name}", "Give it")
             for name, values in columns.items()
@@ -174,11 +176,11 @@ def paired(content: Any) -> tuple[Any, list[Problem]]:
         ]
         if not columns:
             problems.append(Problem("designs", "they have no rows", "Give rows of parameters"))
-    kept = {name: one for name, one in content.items() if name != "designs"}
+    others = {name: value for name, value in content.items() if name != "designs"}
     if problems:
-        return kept, problems
+        return others, problems
     pairs = {name: {DESIGN: values} for name, values in columns.items()}
-    return {**kept, section: {**parameters, **pairs}}, []
+    return {**others, section: {**parameters, **pairs}}, []
 
 
 def _with_designs(content: Content, files: bool) -> Resolved:
@@ -203,10 +205,10 @@ def _files_beside(uncertain: Any, move: Callable[[str], str]) -> Any:
     if not isinstance(uncertain, dict):
         return uncertain
     return {
-        name: {**one, CALIBRATION: move(one[CALIBRATION])}
-        if isinstance(one, dict) and isinstance(one.get(CALIBRATION), str)
-        else one
-        for name, one in uncertain.items()
+        name: {**distribution, CALIBRATION: move(distribution[CALIBRATION])}
+        if isinstance(distribution, dict) and isinstance(distribution.get(CALIBRATION), str)
+        else distribution
+        for name, distribution in uncertain.items()
     }
 
 
@@ -219,15 +221,17 @@ def with_posteriors(content: Content, files: bool) -> Resolved:
     uncertain = content.get("uncertain")
     if not files or not isinstance(uncertain, Mapping):
         return Resolved(content)
-    read = {
+    densities = {
         name: _density(str(name), raw[CALIBRATION])
         for name, raw in uncertain.items()
         if isinstance(raw, Mapping) and set(raw) == {CALIBRATION}
     }
-    problems = [one for one in read.values() if isinstance(one, Problem)]
-    read = {**uncertain, **read}
-    kept = {name: one for name, one in read.items() if not isinstance(one, Problem)}
-    return Resolved({**content, "uncertain": kept}, problems)
+    problems = [density for density in densities.values() if isinstance(density, Problem)]
+    densities = {**uncertain, **densities}
+    valid = {
+        name: density for name, density in densities.items() if not isinstance(density, Problem)
+    }
+    return Resolved({**content, "uncertain": valid}, problems)
 
 
 def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
@@ -239,15 +243,20 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
         return Problem(key, "the key calibration is not the path of a file", fix)
     try:
         table = read_netcdf(Path(path), most_bytes=MAX_BYTES)
-    except Exception as error:  # of a strange file the library raises of many kinds
+    except Exception as error:  # the library raises many kinds for damaged files
         return Problem(key, f"{path} cannot be read: {error}"[:300], advice_on_path(path, fix))
     density = table.variables.get(f"{DENSITY}{name}")
-    known_axis = name in table.coordinates and name in QUANTITIES
-    if density is None or density.dims != (name,) or not known_axis:
-        known = ", ".join(n.removeprefix(DENSITY) for n, one in table.variables.items()
-                          if n.startswith(DENSITY) and len(one.dims) == 1)  # fmt: skip
+    is_parameter_axis = name in table.coordinates and name in QUANTITIES
+    if density is None or density.dims != (name,) or not is_parameter_axis:
+        densities_in_file = ", ".join(
+            variable_name.removeprefix(DENSITY)
+            for variable_name, variable in table.variables.items()
+            if variable_name.startswith(DENSITY) and len(variable.dims) == 1
+        )
         return Problem(
-            key, f"{path} has no density of {name}", f"It has those of {known}" if known else fix
+            key,
+            f"{path} has no density of {name}",
+            f"It has those of {densities_in_file}" if densities_in_file else fix,
         )
     axis, quantity = table.coordinates[name], QUANTITIES[name]
     unit = str(axis.attributes.get("units", quantity.unit))
@@ -263,24 +272,24 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
             f"the posterior density of {name} in {path} is 0 everywhere",
             "Run the calibration again",
         )
-    # Nothing is lost beyond the first and the last 0 next to some mass.
-    some = np.flatnonzero(densities > 0)
-    kept = slice(max(some[0] - 1, 0), some[-1] + 2)
-    return {"values": values[kept].tolist(), "densities": densities[kept].tolist()}
+    # Only the positive part counts, with one 0 at either end.
+    positive = np.flatnonzero(densities > 0)
+    used = slice(max(positive[0] - 1, 0), positive[-1] + 2)
+    return {"values": values[used].tolist(), "densities": densities[used].tolist()}
 
 
 def _parameter_names(parameters: Any, _: Collection[str]) -> Iterable[str]:
     return map(str, parameters) if isinstance(parameters, Mapping) else ()
 
 
-def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
+def _variable_names(variables: Any, known: Collection[str]) -> Iterable[str]:
     is_given = isinstance(variables, Mapping)
-    return map(str, variables) if is_given else (one for one in DRIVE_ANGLES if one in known)
+    return map(str, variables) if is_given else (angle for angle in DRIVE_ANGLES if angle in known)
 
 
-def _looked_for(criterion: Any) -> Iterable[str]:
-    found = criterion if isinstance(criterion, Mapping) else {}
-    names = (found.get("output", "acceleration_x"), found.get("against"))
+def _criterion_outputs(criterion: Any) -> Iterable[str]:
+    keys = criterion if isinstance(criterion, Mapping) else {}
+    names = (keys.get("output", "acceleration_x"), keys.get("against"))
     return (name for name in names if isinstance(name, str))
 
 
@@ -289,7 +298,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
     "uncertain": Section(
         names=_parameter_names, beside=_files_beside, resolve=with_posteriors, by_parameter=True
     ),
-    "variables": Section(names=_open, unknown=no_parameter, by_parameter=True),
+    "variables": Section(names=_variable_names, unknown=no_parameter, by_parameter=True),
     "unknowns": Section(names=_parameter_names, unknown=no_parameter, by_parameter=True),
     "offsets": Section(unknown=no_parameter, by_parameter=True),
     "factors": Section(unknown=no_parameter, by_parameter=True),
@@ -305,7 +314,7 @@ SECTIONS: Final[Mapping[str, Section]] = {
     "designs": Section(names=lambda *_: (), beside=file_beside, resolve=_with_designs),
     "drive": DRIVE,
     "part": PART,
-    "criterion": Section(outputs=_looked_for, tags=CRITERIA),
+    "criterion": Section(outputs=_criterion_outputs, tags=CRITERIA),
     "outputs": Section(outputs=lambda names: names if isinstance(names, list | tuple) else ()),
     "reduce": Section(
         unknown=lambda key: no_field(key, LevelSet if len(key.path) > 2 else Reduction)
@@ -342,28 +351,32 @@ def in_letters(content: Any) -> tuple[Any, list[Problem]]:
 def words_in(content: Any) -> dict[str, str]:
     """Return the words by which a study names angles, by letter, without those it names by both."""
     sections = content.items() if isinstance(content, Mapping) else ()
-    written = {
+    names = {
         name
         for key, raw in sections
         if key in SECTIONS
-        for part in (raw if isinstance(raw, list | tuple) else (raw,))
-        if isinstance(part, Mapping)
-        for name in part
+        for table in (raw if isinstance(raw, list | tuple) else (raw,))
+        if isinstance(table, Mapping)
+        for name in table
     }
-    return {letter: word for word, letter in WORDS.items() if {word, letter} & written == {word}}
+    return {letter: word for word, letter in WORDS.items() if {word, letter} & names == {word}}
 
 
 def _rows(rows: list[Any] | tuple[Any, ...]) -> tuple[list[Any], list[Problem]]:
-    lettered: list[tuple[Any, list[Problem]]] = [
+    # Rows with letters in place of the words of angles, and the problems of the first row with any.
+    rows_and_faults: list[tuple[Any, list[Problem]]] = [
         by_letters(row, f"observations row {number}, ")
         if isinstance(row, Mapping) and not WORDS.keys().isdisjoint(row)
         else (row, [])
         for number, row in enumerate(rows, 1)
     ]
-    return [row for row, _ in lettered], next((faults for _, faults in lettered if faults), [])
+    return [row for row, _ in rows_and_faults], next(
+        (faults for _, faults in rows_and_faults if faults), []
+    )
 
 
 def _reduction(raw: Mapping[str, Any]) -> dict[str, Any]:
+    # Letters in place of the words of angles, which stand in `over` and in `along` of each level.
     letters = {name: _names(part) if name == "over" else part for name, part in raw.items()}
     levels = raw.get("levels")
     if isinstance(levels, Mapping):

@@ -95,16 +95,16 @@ class Draft:
         """Put the numbers in files for their names, if they may be read; return this draft."""
         keys = _keys_of(self.kind) if self.kind else SECTIONS
         for key, section in SECTIONS.items():
-            there = isinstance(self.content, Mapping) and key in self.content and key in keys
-            if there and section.resolve is not None:
+            is_given = isinstance(self.content, Mapping) and key in self.content and key in keys
+            if is_given and section.resolve is not None:
                 try:
-                    found = section.resolve(self.content, files)
+                    resolved = section.resolve(self.content, files)
                 except StudyError as error:
-                    rest = {name: one for name, one in self.content.items() if name != key}
-                    found = Resolved(rest, error.problems)
-                self.content = found.content
-                self.problems += found.problems
-                self.fit = found.fit or self.fit
+                    others = {name: value for name, value in self.content.items() if name != key}
+                    resolved = Resolved(others, error.problems)
+                self.content = resolved.content
+                self.problems += resolved.problems
+                self.fit = resolved.fit or self.fit
                 if key not in self.content:
                     self.unread.add(key)
         return self
@@ -129,8 +129,8 @@ class Draft:
         if kind is None:
             problem, kind = _no_kind(self.content)
             problems = [problem]
-        study, found = self._validated(kind, {**self.content, "kind": kind.name})
-        problems += [*found, *self.problems]
+        study, value_problems = self._validated(kind, {**self.content, "kind": kind.name})
+        problems += [*value_problems, *self.problems]
         if study is None or problems:
             raise self._error(problems)
         return study
@@ -144,25 +144,30 @@ class Draft:
         try:
             study = self.check()
         except StudyError as error:
-            # Without the numbers of files a plan would miss what is not missing.
-            further = [] if self.problems else self._objections(error)
+            # With an unread file, planning would report its numbers as missing.
+            further = [] if self.problems else self._problems_of_plan(error)
             raise self._error([*error.problems, *further]) from None
         try:
             prepared = KINDS[study.kind].prepare(study)
         except StudyError as error:
             raise self._error(error.problems) from None
-        more = (*prepared.questions, *prepared.unused)
-        return replace(prepared, questions=(*self.questions, *map(self._in_words, more)))
+        plan_questions = (*prepared.questions, *prepared.unused)
+        return replace(prepared, questions=(*self.questions, *map(self._in_words, plan_questions)))
 
     def _error(self, problems: Iterable[Problem]) -> StudyError:
-        said = self._in_words
+        in_words = self._in_words
         return StudyError(
-            replace(one, place=said(one.place), message=said(one.message), fix=said(one.fix))
-            for one in problems
+            replace(
+                problem,
+                place=in_words(problem.place),
+                message=in_words(problem.message),
+                fix=in_words(problem.fix),
+            )
+            for problem in problems
         )
 
     def _in_words(self, text: str) -> str:
-        return _LETTER.sub(lambda found: self.words.get(found[0], found[0]), text)
+        return _LETTER.sub(lambda match: self.words.get(match[0], match[0]), text)
 
     def _validated(
         self, kind: "Kind", content: Mapping[str, Any]
@@ -183,9 +188,9 @@ class Draft:
             return kind.model.model_validate(content), []
         except ValidationError as error:
             return None, [
-                one
-                for one in problems_of(error, SECTIONS, unknown, keys, self._parameters())
-                if one.place not in self.unread
+                problem
+                for problem in problems_of(error, SECTIONS, unknown, keys, self._parameters())
+                if problem.place not in self.unread
             ]
 
     def _parameters(self) -> Collection[str]:
@@ -193,15 +198,15 @@ class Draft:
         for scenes in self.kind.scenes if self.kind else ():
             scene = scenes.get(str(self.content.get("scene"))[:100])
             if scene is not None:
-                named = str(self.content.get(scene.choice))[:100]
+                variant = str(self.content.get(scene.choice))[:100]
                 names |= {
                     *scene_parameters(
-                        scene, named if named in scene.variants else scene.default_variant
+                        scene, variant if variant in scene.variants else scene.default_variant
                     )
                 }
         return names or PARAMETERS
 
-    def _objections(self, known: StudyError) -> list[Problem]:
+    def _problems_of_plan(self, check_error: StudyError) -> list[Problem]:
         kind = self.kind
         if kind is None or not isinstance(self.content.get("parameters"), Mapping):
             return []
@@ -213,18 +218,18 @@ class Draft:
         scene, problems = self.content.get("scene"), list[Problem]()
         if not isinstance(scene, str) or not all(isinstance(name, str) for name in outputs):
             return []
-        texts = (self.content.get(key) for key in ("variant", "method"))
-        variant, method = (text if isinstance(text, str) else None for text in texts)
+        choices = (self.content.get(key) for key in ("variant", "method"))
+        variant, method = (text if isinstance(text, str) else None for text in choices)
 
-        def written(parameters: Collection[str]) -> list[str]:
-            some = (
+        def names_written(parameters: Collection[str]) -> list[str]:
+            names_by_section = (
                 section.names(self.content.get(key), parameters)
                 for key, section in sections.items()
             )
-            return [str(name) for names in some for name in names]
+            return [str(name) for names in names_by_section for name in names]
 
         def names(parameters: Collection[str]) -> list[str]:
-            return [*dict.fromkeys(names_intended(written(parameters)))]
+            return [*dict.fromkeys(names_intended(names_written(parameters)))]
 
         try:
             chosen, variant, problems = kind.choose(
@@ -235,10 +240,10 @@ class Draft:
             )
         except StudyError as error:
             problems = [*problems, *error.problems]
-        places = [problem.place for problem in known.problems]
-        # The corrected name itself is not in the study, and cannot be removed from it.
-        places += map("parameters.{}".format, {*names(())} - {*written(())})
-        return [problem for problem in problems if problem.place not in places]
+        reported_places = [problem.place for problem in check_error.problems]
+        # A corrected name is not in the study itself: the plan's problems with it are left out.
+        reported_places += map("parameters.{}".format, {*names(())} - {*names_written(())})
+        return [problem for problem in problems if problem.place not in reported_places]
 
     def _outputs(self, kind: "Kind") -> Iterable[Any]:
         keys = _keys_of(kind)
@@ -255,16 +260,17 @@ def _keys_of(kind: "Kind") -> Collection[str]:
 
 
 def _no_kind(content: Mapping[str, Any]) -> "tuple[Problem, Kind]":
+    # The problem with the kind, and the kind that was probably meant: it shares most keys.
     kind = content.get("kind")
-    missing = kind is None
-    said = None if missing else nearest(str(kind), KINDS)
+    is_missing = kind is None
+    similar = None if is_missing else nearest(str(kind), KINDS)
     problem = Problem(
         "kind",
-        "it is missing" if missing else f"{str(kind)[:60]!r} is not a kind of study",
-        "Write kind = " + " or ".join(f'"{name}"' for name in ([said] if said else KINDS)),
+        "it is missing" if is_missing else f"{str(kind)[:60]!r} is not a kind of study",
+        "Write kind = " + " or ".join(f'"{name}"' for name in ([similar] if similar else KINDS)),
     )
-    shared = {name: len(set(_keys_of(one)) & set(content)) for name, one in KINDS.items()}
-    return problem, KINDS[said or max(KINDS, key=lambda name: shared[name])]
+    shared_keys = {name: len(set(_keys_of(kind_)) & set(content)) for name, kind_ in KINDS.items()}
+    return problem, KINDS[similar or max(KINDS, key=lambda name: shared_keys[name])]
 
 
 # --- Studies from files, requests and programs, with every problem of them at once.
@@ -365,13 +371,11 @@ def prepare_content(content: object, only: str | None = None, *, files: bool = F
     StudyError
         With every problem, those of single values and those of the study as a whole.
     """
-    named = content.get("kind") if isinstance(content, Mapping) else None
+    kind = content.get("kind") if isinstance(content, Mapping) else None
     draft = Draft(content)
-    if only is not None and draft.kind is not None and named != only:
+    if only is not None and draft.kind is not None and kind != only:
         draft.problems.append(
-            Problem(
-                "kind", f"'{named}' is not the kind that is wanted here", f"Set kind = '{only}'"
-            )
+            Problem("kind", f"'{kind}' is not the kind that is wanted here", f"Set kind = '{only}'")
         )
     prepared = draft.resolve(files=files).prepare()
     if only is not None:

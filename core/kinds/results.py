@@ -59,11 +59,11 @@ def outline(prepared: Prepared, watch: Watch | None = None) -> Table:
 
     Some cells are verified if the study asks for it, which `watch` may stop.
     """
-    first = dict.fromkeys(prepared.grid.axes, (0, 1))
-    table = tabulate(prepared.within(first).unverified()).with_price({})
+    first_cell = dict.fromkeys(prepared.grid.axes, (0, 1))
+    table = tabulate(prepared.within(first_cell).unverified()).with_price({})
     verified = KINDS[prepared.study.kind].verified(prepared, watch or Watch())
-    own = {"study": prepared.study.canonical(), "study_sha256": prepared.study.key()}
-    return replace(table, attributes={**table.attributes, **own, **verified})
+    study_attributes = {"study": prepared.study.canonical(), "study_sha256": prepared.study.key()}
+    return replace(table, attributes={**table.attributes, **study_attributes, **verified})
 
 
 def share_left_out(table: Table) -> float:

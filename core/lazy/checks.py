@@ -16,13 +16,13 @@ MOST_FOR_QUANTILES = 1 << 26
 
 
 def problems_of_names(
-    asked: Reduction, outputs: Collection[str], values: Mapping[str, Values]
+    reduction: Reduction, outputs: Collection[str], values: Mapping[str, Values]
 ) -> list[Problem]:
     """Return the problems of the names in a study's section `reduce`: axes, outputs, codes, shares.
 
     Parameters
     ----------
-    asked : Reduction
+    reduction : Reduction
         The section.
     outputs : collection of str
         The study's outputs.
@@ -30,82 +30,99 @@ def problems_of_names(
         Its parameters, of which those with several values are axes.
     """
     numbers = [name for name in outputs if name not in FLAGS]  # a mean of codes says nothing
-    suggest = Suggestions()
+    suggestions = Suggestions()
     problems = [
-        Problem(f"reduce.{place}", f"'{name[:60]}' is not {what}", suggest(name, known))
-        for place, name, what, known in _names(asked, numbers, outputs, values)
+        Problem(f"reduce.{place}", f"'{name[:60]}' is not {expected}", suggestions(name, known))
+        for place, name, expected, known in _names(reduction, numbers, outputs, values)
         if name not in known
     ]
     problems += [
         Problem(f"reduce.shares.{key}", "it has no condition", "Give at least one")
-        for key, conditions in asked.shares.items()
+        for key, conditions in reduction.shares.items()
         if not conditions
     ]
-    of_numbers = numbers and (asked.statistics or asked.quantiles)
-    if not (of_numbers or asked.regimes or asked.shares or asked.levels):
+    has_statistics = numbers and (reduction.statistics or reduction.quantiles)
+    if not (has_statistics or reduction.regimes or reduction.shares or reduction.levels):
         fix = "Give statistics, quantiles, regimes, shares or levels"
         problems.append(Problem("reduce", "no statistic is requested", fix))
     return problems
 
 
 def _names(
-    asked: Reduction, numbers: Sequence[str], outputs: Collection[str], values: Mapping[str, Values]
+    reduction: Reduction,
+    numbers: Sequence[str],
+    outputs: Collection[str],
+    values: Mapping[str, Values],
 ) -> Iterator[tuple[str, str, str, Sequence[str]]]:
     """Yield each name with its place, what it has to be, and the names that are."""
-    several = {name: value for name, value in values.items() if not isinstance(value, Fixed)}
-    axes = [*dict.fromkeys(DESIGN if isinstance(v, Paired) else n for n, v in several.items())]
-    for k, name in enumerate(asked.over):
-        yield f"over.{k}", name, "an axis of this study", axes
-    for k, name in enumerate(asked.of):
-        yield f"of.{k}", name, "a numeric output of this study", numbers
-    for key, level in asked.levels.items():
+    ranged = {name: value for name, value in values.items() if not isinstance(value, Fixed)}
+    axes = [
+        *dict.fromkeys(
+            DESIGN if isinstance(value, Paired) else name for name, value in ranged.items()
+        )
+    ]
+    for number, name in enumerate(reduction.over):
+        yield f"over.{number}", name, "an axis of this study", axes
+    for number, name in enumerate(reduction.of):
+        yield f"of.{number}", name, "a numeric output of this study", numbers
+    for key, level in reduction.levels.items():
         yield f"levels.{key}.output", level.output, "a numeric output of this study", numbers
-        yield f"levels.{key}.along", level.along, "an axis in reduce.over", asked.over
-    for key, conditions in asked.shares.items():
-        for k, condition in enumerate(conditions):
+        yield f"levels.{key}.along", level.along, "an axis in reduce.over", reduction.over
+    for key, conditions in reduction.shares.items():
+        for number, condition in enumerate(conditions):
             if not condition.is_regime:
-                yield f"shares.{key}.{k}", condition.name, "an output of this study", [*outputs]
+                yield (
+                    f"shares.{key}.{number}",
+                    condition.name,
+                    "an output of this study",
+                    [*outputs],
+                )
 
 
-def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
+def problems_of(reduction: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
     """Return the problems of a reduction that only the plan of its study can tell.
 
     They are axes that no output depends on, regimes that no cell can have, levels along axes that
     their output does not depend on, and quantiles of more cells than memory holds.
     """
-    idle = [
-        Problem(f"reduce.over.{k}", f"no requested output depends on {name}", "Leave it out")
-        for k, name in enumerate(asked.over)
+    without_effect = [
+        Problem(f"reduce.over.{number}", f"no requested output depends on {name}", "Leave it out")
+        for number, name in enumerate(reduction.over)
         if name in PARAMETERS and name not in {*grid.along, *grid.fixed}
     ]
-    if idle:
-        return idle
-    return [*_regimes(asked, plan), *_levels(asked, plan, grid), *_quantiles(asked, grid)]
+    if without_effect:
+        return without_effect
+    return [
+        *_regimes(reduction, plan),
+        *_levels(reduction, plan, grid),
+        *_quantiles(reduction, grid),
+    ]
 
 
-def _quantiles(asked: Reduction, grid: Grid) -> Iterator[Problem]:
-    cells = grid.size(name for name in asked.over if name in grid.axes)
-    if asked.quantiles and cells > MOST_FOR_QUANTILES:
+def _quantiles(reduction: Reduction, grid: Grid) -> Iterator[Problem]:
+    cells = grid.size(name for name in reduction.over if name in grid.axes)
+    if reduction.quantiles and cells > MOST_FOR_QUANTILES:
         message = f"quantiles need the {cells:,} cells of one answer in memory, and at most "
         message += f"{MOST_FOR_QUANTILES:,} are taken"
         yield Problem("reduce.quantiles", message, "Reduce fewer axes, or ask for shares instead")
 
 
-def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
-    known = {verdict.name: verdict.regimes for verdict in plan.verdicts}
-    for share, conditions in asked.shares.items():
-        for k, condition in enumerate(conditions):
-            regimes = known.get(condition.name, ())
+def _regimes(reduction: Reduction, plan: Plan) -> Iterator[Problem]:
+    # Conditions on regimes that no cell of the study can have.
+    regimes_of_verdict = {verdict.name: verdict.regimes for verdict in plan.verdicts}
+    for share, conditions in reduction.shares.items():
+        for number, condition in enumerate(conditions):
+            regimes = regimes_of_verdict.get(condition.name, ())
             if condition.is_regime and condition.value not in regimes:
                 message = f"no cell of this study has a {condition.name} of '{condition.value}'"
-                there = ", ".join(regimes or known)
-                fix = f"It can be in {there}" if regimes else f"Name one of {there}"
-                yield Problem(f"reduce.shares.{share}.{k}", message, fix)
+                possible = ", ".join(regimes or regimes_of_verdict)
+                fix = f"It can be in {possible}" if regimes else f"Name one of {possible}"
+                yield Problem(f"reduce.shares.{share}.{number}", message, fix)
 
 
-def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
+def _levels(reduction: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
     depends = plan.depends_on(grid.along)
-    for name, level in asked.levels.items():
+    for name, level in reduction.levels.items():
         axes = depends.get(level.output, (level.along,))
         if level.along not in axes:
             message = f"{level.output} does not depend on {level.along}"

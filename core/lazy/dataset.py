@@ -94,8 +94,8 @@ def dataset(
         for name, variable in outline.variables.items()
     }
     coordinates = {
-        name: xarray.Variable(one.dims, one.values, dict(one.attributes))
-        for name, one in coordinates_of(prepared.plan, prepared.grid).items()
+        name: xarray.Variable(coordinate.dims, coordinate.values, dict(coordinate.attributes))
+        for name, coordinate in coordinates_of(prepared.plan, prepared.grid).items()
     }
     return xarray.Dataset(variables, coordinates, dict(outline.attributes))
 
@@ -127,18 +127,20 @@ def fields_of(prepared: Prepared) -> list[Field]:
     A motion is followed once for all that is told of it; a closed form costs little, and is not
     computed along axes that neither it nor the verdict on it has.
     """
-    plan, dims, together = prepared.plan, prepared.dims, dict[tuple[str, ...], list[str]]()
+    plan, dims, groups = prepared.plan, prepared.dims, dict[tuple[str, ...], list[str]]()
     for name in (*plan.outputs, *plan.verdict_names):
         judges = {judge.name} if (judge := plan.verdict_on(name)) else set()
         is_slow = any(equation.takes_long for equation in plan.part((name,)).equations)
-        own = prepared.grid.dims({*dims[name], *(dim for one in judges for dim in dims[one])})
-        together.setdefault(("motion",) if is_slow else own, []).append(name)
+        axes_of_name = prepared.grid.dims(
+            {*dims[name], *(dim for judge_name in judges for dim in dims[judge_name])}
+        )
+        groups.setdefault(("motion",) if is_slow else axes_of_name, []).append(name)
     fields = []
-    for group in together.values():
+    for group in groups.values():
         judges = {judge.name for name in group if (judge := plan.verdict_on(name))}
-        part = plan.part([*group, *sorted(judges - {*group})])
+        plan_of_group = plan.part([*group, *sorted(judges - {*group})])
         axes = {dim for name in (*group, *judges) for dim in dims[name]}
-        fields.append(Field(tuple(group), prepared.grid.dims(axes), part))
+        fields.append(Field(tuple(group), prepared.grid.dims(axes), plan_of_group))
     return fields
 
 
@@ -158,13 +160,17 @@ def chunks_of(
     The axes of `whole` come first, then the last axis before the one before it, each with as many
     of its cells as a block has room for.
     """
-    shape, room, chunks = prepared.grid.shape, cells, dict[str, tuple[int, ...]]()
-    for dim in (*(d for d in reversed(field.dims) if d in set(whole)), *reversed(field.dims)):
+    shape, cells_left, chunks = prepared.grid.shape, cells, dict[str, tuple[int, ...]]()
+    for dim in (
+        *(name for name in reversed(field.dims) if name in set(whole)),
+        *reversed(field.dims),
+    ):
         if dim not in chunks:
-            step = even_length(shape[dim], room)
-            starts = range(0, shape[dim], step)
-            chunks[dim] = tuple(min(step, shape[dim] - start) for start in starts)
-            room //= step
+            step = even_length(shape[dim], cells_left)
+            chunks[dim] = tuple(
+                min(step, shape[dim] - start) for start in range(0, shape[dim], step)
+            )
+            cells_left //= step
     return {dim: chunks[dim] for dim in field.dims}
 
 
@@ -173,8 +179,8 @@ def box_of(
 ) -> dict[str, tuple[int, int]]:
     """Return start and stop on each axis of the block with some numbers on them."""
     return {
-        dim: (k * lengths[0], k * lengths[0] + lengths[k])
-        for (dim, lengths), k in zip(chunks.items(), numbers, strict=True)
+        dim: (number * lengths[0], number * lengths[0] + lengths[number])
+        for (dim, lengths), number in zip(chunks.items(), numbers, strict=True)
     }
 
 
@@ -210,10 +216,11 @@ def _arrays(
     chunks: Mapping[str, tuple[int, ...]],
 ) -> "dict[str, Array]":
     def block(block_id: tuple[int, ...] = ()) -> NDArray[Any]:
-        held = np.empty([1] * len(block_id), dtype=object)
+        # One object for each block, since its variables have different axes.
+        holder = np.empty([1] * len(block_id), dtype=object)
         box = box_of(chunks, block_id)
-        held[(0,) * len(block_id)] = compute_block(prepared, field, box, Watch(threads=1))
-        return held
+        holder[(0,) * len(block_id)] = compute_block(prepared, field, box, Watch(threads=1))
+        return holder
 
     counts = [len(chunks[dim]) for dim in field.dims]
     key = f"{prepared.study.key()[:16]}-{'-'.join(map(str, counts))}"
@@ -227,9 +234,9 @@ def _arrays(
     arrays = {}
     for name in field.names:
         dims = prepared.dims[name]
-        own = blocks[tuple(slice(None) if dim in dims else 0 for dim in field.dims)]
+        blocks_of_variable = blocks[tuple(slice(None) if dim in dims else 0 for dim in field.dims)]
         dtype = np.dtype(np.int8 if prepared.width(name) == 1 else np.float64)
-        arrays[name] = own.map_blocks(
+        arrays[name] = blocks_of_variable.map_blocks(
             _variable,
             variable=name,
             dtype_=dtype,
@@ -256,23 +263,24 @@ def watched(watch: Watch) -> Iterator[None]:
     StoppedError
         If the watch stops it between two blocks.
     """
-    left = 1.0
+    remaining = 1.0
 
     def check(*_: Any) -> None:
         if watch.stopped():
             raise StoppedError(STOPPED)
 
     def advance(_key: Any, _result: Any, _graph: Any, state: dict[str, Any], _worker: Any) -> None:
-        nonlocal left
+        nonlocal remaining
         done = len(state["finished"])
-        now = 1 - done / max(1, done + sum(len(state[k]) for k in ("ready", "waiting", "running")))
-        if now < left:
-            watch.advance(left - now)
-            left = now
+        tasks = done + sum(len(state[group]) for group in ("ready", "waiting", "running"))
+        remaining_now = 1 - done / max(1, tasks)
+        if remaining_now < remaining:
+            watch.advance(remaining - remaining_now)
+            remaining = remaining_now
 
     check()
     callback = Callback(pretask=check, posttask=advance)
     threads = watch.threads or cores()
     with callback, dask.config.set(scheduler=SCHEDULER.get(), num_workers=threads):
         yield
-    watch.advance(left)
+    watch.advance(remaining)

@@ -83,7 +83,7 @@ class Reduced(Prepared):
         return Problem("reduce", message, "Remove [reduce]")
 
     @property
-    def asked(self) -> Reduction:
+    def reduction(self) -> Reduction:
         """The reduction that the study asks for."""
         assert self.study.reduce is not None
         return self.study.reduce
@@ -106,13 +106,13 @@ class Reduced(Prepared):
     def judge(self, output: str) -> Verdict | None:
         """Return the verdict that keeps cells of an output from counting; None if all count."""
         verdict = self.plan.verdict_on(output) if output in self.plan.outputs else None
-        return verdict if verdict and verdict.doubts and self.asked.cells == "valid" else None
+        return verdict if verdict and verdict.doubts and self.reduction.cells == "valid" else None
 
-    def kept(self, *names: str) -> tuple[str, ...]:
+    def remaining_dims(self, *names: str) -> tuple[str, ...]:
         """Return the axes that stay of some variables together, with the verdicts on them."""
         judges = [judge.name for name in names if (judge := self.judge(name))]
         dims = {dim for name in (*names, *judges) for dim in self.cell_dims[name]}
-        return self.grid.dims(dims - {*self.asked.over})
+        return self.grid.dims(dims - {*self.reduction.over})
 
     @cached_property
     def statistics(self) -> tuple[Statistic, ...]:
@@ -132,7 +132,7 @@ class Reduced(Prepared):
     @property
     def sizes(self) -> dict[str, int]:
         """The length of each dimension."""
-        return {**self.grid.shape, QUANTILE: len(self.asked.quantiles)}
+        return {**self.grid.shape, QUANTILE: len(self.reduction.quantiles)}
 
     @property
     def stored(self) -> int:
@@ -142,9 +142,9 @@ class Reduced(Prepared):
     @property
     def cut_axes(self) -> tuple[str, ...]:
         """The axes along which the study can be cut: those that stay."""
-        return tuple(axis for axis in self.grid.axes if axis not in self.asked.over)
+        return tuple(axis for axis in self.grid.axes if axis not in self.reduction.over)
 
-    def what_fits(self, share: float) -> str:
+    def what_fits(self, fraction: float) -> str:
         """Return a sentence that says how to shrink the study to a share of its size."""
         return f"It fits over more axes, or with fewer values of {', '.join(self.cut_axes)}"
 
@@ -161,8 +161,10 @@ class Reduced(Prepared):
     @property
     def needed(self) -> set[str]:
         """The outputs and verdicts that the answers need."""
-        names = {one.of for one in self.statistics if one.of}
-        return names | {one.name for statistic in self.statistics for one in statistic.conditions}
+        names = {statistic.of for statistic in self.statistics if statistic.of}
+        return names | {
+            condition.name for statistic in self.statistics for condition in statistic.conditions
+        }
 
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the results of a reduction as a table: arrays with coordinates and attributes.
@@ -170,17 +172,19 @@ class Reduced(Prepared):
         Some cells of the study are verified here by other means, which `watch` may stop.
         """
         variables = {
-            one.name: TableVariable(one.dims, computed.arrays[one.name], one.attributes)
-            for one in self.statistics
+            statistic.name: TableVariable(
+                statistic.dims, computed.arrays[statistic.name], statistic.attributes
+            )
+            for statistic in self.statistics
         }
-        which = (
+        counting_cells = (
             "all cells with a value count"
-            if self.asked.cells == "all"
+            if self.reduction.cells == "all"
             else "cells count whose regime describes a real part and that have a value"
         )
         attributes = {
             **self.attributes(),
-            "reduced": f"over {', '.join(self.asked.over)}: {which}",
+            "reduced": f"over {', '.join(self.reduction.over)}: {counting_cells}",
             **self.verified(watch),
         }
         return Table(_coordinates(self), variables, attributes)
@@ -200,54 +204,54 @@ class Reduced(Prepared):
 
 
 def _coordinates(prepared: Reduced) -> dict[str, TableVariable]:
-    # CF's bounds would be its own way, but its checker knows none of a scalar.
-    asked, grid = prepared.asked, prepared.grid
+    # Ranges are attributes: CF has bounds for them, which its checker does not accept of scalars.
+    reduction, grid = prepared.reduction, prepared.grid
     coordinates = coordinates_of(prepared.plan, grid)
-    gone = [name for name, axis in grid.along.items() if axis in asked.over]
-    for axis in dict.fromkeys((*asked.over, *gone)):
+    paired_names = [name for name, axis in grid.along.items() if axis in reduction.over]
+    for axis in dict.fromkeys((*reduction.over, *paired_names)):
         values = coordinates[axis].values
         ends = np.array([values.min(), values.max()])
         attributes = {**quantity_attributes(axis), "reduced_range": ends}
         coordinates[axis] = TableVariable((), np.asarray(ends.mean()), attributes)
-    if asked.quantiles:
+    if reduction.quantiles:
         attributes = {"units": "1", "long_name": "Quantile"}
-        values = np.array(asked.quantiles)
+        values = np.array(reduction.quantiles)
         coordinates[QUANTILE] = TableVariable((QUANTILE,), values, attributes)
     return coordinates
 
 
 def _outputs(prepared: Reduced) -> tuple[str, ...]:
-    asked, plan = prepared.asked, prepared.plan
-    if not (asked.statistics or asked.quantiles):
+    reduction, plan = prepared.reduction, prepared.plan
+    if not (reduction.statistics or reduction.quantiles):
         return ()
-    wanted = asked.of or plan.outputs
+    wanted = reduction.of or plan.outputs
     return tuple(name for name in plan.outputs if name in wanted and name not in FLAGS)
 
 
 def statistics_of(prepared: Reduced) -> Iterator[Statistic]:
     """Yield the variables of a reduced result."""
-    asked, plan = prepared.asked, prepared.plan
+    reduction, plan = prepared.reduction, prepared.plan
     for output in _outputs(prepared):
-        yield from _of_output(prepared, output)
-    for verdict in plan.verdicts if asked.regimes else ():
+        yield from _statistics_of_output(prepared, output)
+    for verdict in plan.verdicts if reduction.regimes else ():
         for regime in verdict.regimes:
             attributes = {
                 "units": "1",
                 "long_name": f"Cells in the regime {regime}",
                 "comment": REGIMES[regime].description,
             }
-            name, dims = f"{verdict.name}_{regime}_count", prepared.kept(verdict.name)
-            met = (ShareCondition(verdict.name, "==", regime),)
-            yield Statistic(name, dims, attributes, "regime", conditions=met)
-    for name, conditions in asked.shares.items():
+            name, dims = f"{verdict.name}_{regime}_count", prepared.remaining_dims(verdict.name)
+            conditions_met = (ShareCondition(verdict.name, "==", regime),)
+            yield Statistic(name, dims, attributes, "regime", conditions=conditions_met)
+    for name, conditions in reduction.shares.items():
         attributes = {
             "units": "1",
             "long_name": f"Share of cells: {name}",
             "comment": " and ".join(map(str, conditions)),
         }
-        dims = prepared.kept(*(one.name for one in conditions))
+        dims = prepared.remaining_dims(*(condition.name for condition in conditions))
         yield Statistic(f"share_{name}", dims, attributes, "share", conditions=conditions)
-    for name, level in asked.levels.items():
+    for name, level in reduction.levels.items():
         along, unit = QUANTITIES[level.along], QUANTITIES[level.output].unit
         attributes = {
             "units": along.unit,
@@ -258,41 +262,52 @@ def statistics_of(prepared: Reduced) -> Iterator[Statistic]:
                 "count"
             ),
         }
-        dims = prepared.kept(level.output)
+        dims = prepared.remaining_dims(level.output)
         yield Statistic(f"level_{name}", dims, attributes, "level", level.output, level=level)
 
 
-def _of_output(prepared: Reduced, output: str) -> Iterator[Statistic]:
-    asked, quantity, dims = prepared.asked, QUANTITIES[output], prepared.kept(output)
-    label, over = quantity.label.lower(), "".join(f"{axis}: " for axis in asked.over)
-    counted = {"ancillary_variables": f"{output}_count"}
+def _statistics_of_output(prepared: Reduced, output: str) -> Iterator[Statistic]:
+    reduction, quantity = prepared.reduction, QUANTITIES[output]
+    dims = prepared.remaining_dims(output)
+    label, over_axes = quantity.label.lower(), "".join(f"{axis}: " for axis in reduction.over)
+    count_link = {"ancillary_variables": f"{output}_count"}
     attributes = {
         "long_name": f"Cells that count for {label}",
         "standard_name": "number_of_observations",
     }
     yield Statistic(f"{output}_count", dims, {"units": "1", **attributes}, "count", output)
-    for what in asked.statistics:
-        if what in STATISTICS:
-            word, method = STATISTICS[what]
-            attributes = {"long_name": f"{word} {label}", "cell_methods": over + method, **counted}
+    for statistic in reduction.statistics:
+        if statistic in STATISTICS:
+            statistic_word, method = STATISTICS[statistic]
+            attributes = {
+                "long_name": f"{statistic_word} {label}",
+                "cell_methods": over_axes + method,
+                **count_link,
+            }
             yield Statistic(
-                f"{output}_{what}", dims, {"units": quantity.unit, **attributes}, what, output
+                f"{output}_{statistic}",
+                dims,
+                {"units": quantity.unit, **attributes},
+                statistic,
+                output,
             )
             continue
-        for axis in asked.over:
-            where = "largest" if what == "argmax" else "least"
+        for axis in reduction.over:
+            extreme_word = "largest" if statistic == "argmax" else "least"
             attributes = {
                 "units": QUANTITIES[axis].unit,
-                "long_name": f"{QUANTITIES[axis].label} where {label} is {where}",
+                "long_name": f"{QUANTITIES[axis].label} where {label} is {extreme_word}",
                 "comment": "of equal values that of the first cell, the last axis fastest",
-                **counted,
+                **count_link,
             }
-            yield Statistic(f"{output}_{what}_{axis}", dims, attributes, what, output, axis)
-    if asked.quantiles:
+            yield Statistic(
+                f"{output}_{statistic}_{axis}", dims, attributes, statistic, output, axis
+            )
+    if reduction.quantiles:
         attributes = {
             "units": quantity.unit,
             "long_name": f"Quantiles of {label}",
             "comment": "exact, of all cells that count; linear between neighbouring values",
-            **counted,
+            **count_link,
         }
         yield Statistic(f"{output}_{QUANTILE}", (QUANTILE, *dims), attributes, QUANTILE, output)

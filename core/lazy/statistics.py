@@ -40,11 +40,14 @@ def compute(prepared: "Reduced", watch: Watch) -> dict[str, NDArray[Any]]:
         If `watch` stops it.
     """
     cells = Cells(prepared)
-    lazy = {one.name: cells.variable(one).transpose(*one.dims).data for one in prepared.statistics}
+    lazy = {
+        statistic.name: cells.variable(statistic).transpose(*statistic.dims).data
+        for statistic in prepared.statistics
+    }
     with watched(watch), warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, where no cell counts
-        (found,) = dask.base.compute(lazy)
-    return {name: np.asarray(values) for name, values in found.items()}
+        (values_by_name,) = dask.base.compute(lazy)
+    return {name: np.asarray(values) for name, values in values_by_name.items()}
 
 
 @dataclass(frozen=True)
@@ -54,131 +57,136 @@ class Counted:
     output: str
     verdict: Verdict
 
-    def __call__(self, **known: Any) -> Any:
+    def __call__(self, **quantities: Any) -> Any:
         """Return the values of the output in the cells that count."""
-        values = known[self.output]
+        values = quantities[self.output]
         counted = values if REGIMES[self.verdict.otherwise].valid else np.nan
         for condition in reversed(self.verdict.conditions):  # the first that holds decides
-            holds = condition.function(**{name: known[name] for name in condition.inputs})
-            here = values if REGIMES[condition.regime].valid else np.nan
-            counted = np.where(holds, here, counted)
+            holds = condition.function(**{name: quantities[name] for name in condition.inputs})
+            values_here = values if REGIMES[condition.regime].valid else np.nan
+            counted = np.where(holds, values_here, counted)
         return counted
 
 
-def _counting(prepared: "Reduced") -> Plan:
+def _plan_of_counting_cells(prepared: "Reduced") -> Plan:
     """Return the plan of what a reduction needs, with outputs that are NaN in other cells.
 
-    A loop that writes NaN at once takes half as long as one that writes regimes besides.
+    A loop that writes NaN itself takes half as long as one that also writes regimes.
     """
     plan, needed = prepared.plan, prepared.needed
     equations, outputs = list(plan.equations), list[str]()
     for name in (name for name in plan.outputs if name in needed):
         verdict = prepared.judge(name)
         if verdict is not None:
-            needs = (name, *verdict.inputs)
-            equations.append(Equation(COUNTED + name, Counted(name, verdict), "", needs=needs))
+            inputs = (name, *verdict.inputs)
+            equations.append(Equation(COUNTED + name, Counted(name, verdict), "", needs=inputs))
         outputs.append(name if verdict is None else COUNTED + name)
-    whole = replace(plan, equations=tuple(equations))
-    return whole.part([*outputs, *(name for name in plan.verdict_names if name in needed)])
+    extended = replace(plan, equations=tuple(equations))
+    return extended.part([*outputs, *(name for name in plan.verdict_names if name in needed)])
 
 
 class Cells:
     """The cells that a reduction asks for, as lazy arrays."""
 
     def __init__(self, prepared: "Reduced"):
-        self.asked, self._prepared = prepared.asked, prepared
-        # numpy is ten times as fast over leading axes as over last ones, unless these fill a block.
-        over = prepared.asked.over
+        self.reduction, self._prepared = prepared.reduction, prepared
+        # Reduced axes come first, unless they fill a block: numpy is ten times as fast over leading
+        # axes as over the last ones.
+        over = prepared.reduction.over
         is_last = prepared.grid.size(over) > BLOCK_CELLS // 64
         order = sorted(prepared.grid.axes, key=lambda axis: (axis in over) == is_last)
         grid = replace(prepared.grid, axes={axis: prepared.grid.axes[axis] for axis in order})
-        whole = replace(prepared.whole, plan=_counting(prepared), grid=grid)
-        arrays = arrays_of(whole, whole=over)
+        full_study = replace(prepared.whole, plan=_plan_of_counting_cells(prepared), grid=grid)
+        arrays = arrays_of(full_study, whole=over)
         self._arrays = {
-            name.removeprefix(COUNTED): xarray.DataArray(array, dims=whole.dims[name])
+            name.removeprefix(COUNTED): xarray.DataArray(array, dims=full_study.dims[name])
             for name, array in arrays.items()
         }
-        counted = [one.of for one in prepared.statistics if one.what == "count"]
-        self._of = {name: self._moments(self._arrays[name]) for name in counted}
+        outputs_with_count = [
+            statistic.of for statistic in prepared.statistics if statistic.what == "count"
+        ]
+        self._moments_of = {name: self._moments(self._arrays[name]) for name in outputs_with_count}
 
     def variable(self, statistic: "Statistic") -> xarray.DataArray:
         """Return a variable of the result."""
         if statistic.conditions:
-            met = reduce(operator.and_, map(self.meets, statistic.conditions))
-            count = met.sum(self.gone(met)) * self.times(met)
-            cells = self._prepared.grid.size(self.asked.over)
+            meets_all = reduce(operator.and_, map(self.meets, statistic.conditions))
+            count = meets_all.sum(self.reduced_dims(meets_all)) * self.cells_per_value(meets_all)
+            cells = self._prepared.grid.size(self.reduction.over)
             return count / cells if statistic.what == "share" else count
         values = self._arrays[statistic.of]
         if statistic.what == "level":
             return self._crossing(values, statistic)
         if statistic.what == QUANTILE:
             return self._quantile(values)
-        moments = self._of[statistic.of]
-        known: dict[str, Any] = {"what": statistic.what}
+        moments = self._moments_of[statistic.of]
+        options: dict[str, Any] = {"what": statistic.what}
         if statistic.axis:
-            known["axis"] = self._prepared.grid.coordinate(statistic.axis)
-            known["stride"] = self._strides(values).get(statistic.axis, math.inf)
-        data = moments.data.map_blocks(_statistic, **known, dtype=np.float64)
-        result = moments.copy(data=data)
+            options["axis"] = self._prepared.grid.coordinate(statistic.axis)
+            options["stride"] = self._strides(values).get(statistic.axis, math.inf)
+        result = moments.copy(data=moments.data.map_blocks(_statistic, **options, dtype=np.float64))
         is_count = statistic.what == "count"
-        return result.astype(np.int64) * self.times(values) if is_count else result
+        return result.astype(np.int64) * self.cells_per_value(values) if is_count else result
 
     def meets(self, condition: ShareCondition) -> xarray.DataArray:
         """Return a mask of the cells that meet the condition of a share."""
         compare = COMPARED[condition.comparison]
         if condition.is_regime:
-            number = REGIMES[str(condition.value)].value
-            return compare(self._arrays[condition.name], number)
+            return compare(self._arrays[condition.name], REGIMES[str(condition.value)].value)
         values = self._arrays[condition.name]
         return compare(values, condition.value) & values.notnull()
 
-    def gone(self, array: xarray.DataArray) -> tuple[str, ...]:
+    def reduced_dims(self, array: xarray.DataArray) -> tuple[str, ...]:
         """Return the axes of an array that the reduction takes away, in the order of the grid."""
-        return tuple(str(dim) for dim in array.dims if dim in self.asked.over)
+        return tuple(str(dim) for dim in array.dims if dim in self.reduction.over)
 
-    def times(self, array: xarray.DataArray) -> int:
+    def cells_per_value(self, array: xarray.DataArray) -> int:
         """Return the number of cells of the study that one cell of an array stands for."""
         shape = self._prepared.grid.shape
-        return math.prod(shape[axis] for axis in self.asked.over if axis not in array.dims)
+        return math.prod(shape[axis] for axis in self.reduction.over if axis not in array.dims)
 
     def _strides(self, values: xarray.DataArray) -> dict[str, int]:
-        # of the numbers of the cells that become one, the last axis fastest
-        gone = self.gone(values)
-        sizes = [values.sizes[dim] for dim in gone]
-        return {dim: math.prod(sizes[k + 1 :]) for k, dim in enumerate(gone)}
+        # Of the numbers of the cells that are reduced to one value, the last axis fastest.
+        reduced_dims = self.reduced_dims(values)
+        sizes = [values.sizes[dim] for dim in reduced_dims]
+        return {dim: math.prod(sizes[position + 1 :]) for position, dim in enumerate(reduced_dims)}
 
     def _moments(self, values: xarray.DataArray) -> xarray.DataArray:
-        wanted = (_MOMENTS.get(what, (what,)) for what in self.asked.statistics)
-        names = tuple(dict.fromkeys(["count", *chain.from_iterable(wanted)]))
+        # Records of moments over the reduced dimensions, by block and then combined.
+        moments_needed = (
+            _MOMENTS.get(statistic, (statistic,)) for statistic in self.reduction.statistics
+        )
+        names = tuple(dict.fromkeys(["count", *chain.from_iterable(moments_needed)]))
         numbers: Any = None
         if {"argmax", "argmin"} & {*names}:
             numbers = np.zeros(())
             for dim, stride in self._strides(values).items():
-                along = dask.array.arange(values.sizes[dim], chunks=values.chunksizes[dim])
+                positions = dask.array.arange(values.sizes[dim], chunks=values.chunksizes[dim])
                 shape = [-1 if other == dim else 1 for other in values.dims]
-                numbers = numbers + stride * along.reshape(shape)
-        gone = self.gone(values)
-        kept = [dim for dim in values.dims if dim not in gone]
+                numbers = numbers + stride * positions.reshape(shape)
+        reduced_dims = self.reduced_dims(values)
+        remaining_dims = [dim for dim in values.dims if dim not in reduced_dims]
         dtype = [(name, np.float64) for name in names]
         moments = dask.array.reduction(
             values.data,
             partial(_moments, names=names),
-            _joined,
-            axis=tuple(values.get_axis_num(dim) for dim in gone),
+            _combined_moments,
+            axis=tuple(values.get_axis_num(dim) for dim in reduced_dims),
             dtype=dtype,
-            meta=np.empty((0,) * len(kept), dtype),
+            meta=np.empty((0,) * len(remaining_dims), dtype),
             weights=numbers,
         )
-        return xarray.DataArray(moments, dims=kept)
+        return xarray.DataArray(moments, dims=remaining_dims)
 
     def _quantile(self, values: xarray.DataArray) -> xarray.DataArray:
-        shape, over = self._prepared.grid.shape, self.asked.over
+        shape, over = self._prepared.grid.shape, self.reduction.over
         cells = values.expand_dims({dim: shape[dim] for dim in over if dim not in values.dims})
         # Along one axis dask takes the quantiles of all answers at once.
         lines = cells.chunk(dict.fromkeys(over, -1)).stack({"cell": over}, create_index=False)
-        return lines.quantile(list(self.asked.quantiles), "cell")
+        return lines.quantile(list(self.reduction.quantiles), "cell")
 
     def _crossing(self, values: xarray.DataArray, statistic: "Statistic") -> xarray.DataArray:
+        # The largest or least value on the level's axis at which any of the reduced cells cross it.
         level = statistic.level
         assert level is not None
         largest = level.take == "largest"
@@ -194,8 +202,10 @@ class Cells:
             dask="parallelized",
             output_dtypes=[np.float64],
         )
-        gone = self.gone(crossed)
-        extreme: xarray.DataArray = crossed.max(gone) if largest else crossed.min(gone)
+        reduced_dims = self.reduced_dims(crossed)
+        extreme: xarray.DataArray = (
+            crossed.max(reduced_dims) if largest else crossed.min(reduced_dims)
+        )
         return extreme.where(np.isfinite(extreme))
 
 
@@ -225,39 +235,44 @@ def _moments(
     The squares are those of deviations from the mean; of extremes there are the `numbers` of the
     first cells that have them.
     """
-    along: Any = {"axis": axis, "keepdims": keepdims}
-    counted = values == values
+    options: Any = {"axis": axis, "keepdims": keepdims}
+    is_number = values == values
     # A block has fewer than 2^31 cells; numpy.count_nonzero takes twice as long.
-    moments: dict[str, Any] = {"count": np.sum(counted, dtype=np.int32, **along)}
+    moments: dict[str, Any] = {"count": np.sum(is_number, dtype=np.int32, **options)}
     with np.errstate(invalid="ignore", divide="ignore"):
         for name in names[1:]:
             if name in _EXTREMES:
-                moments[name] = _EXTREMES[name].reduce(values, **along)
+                moments[name] = _EXTREMES[name].reduce(values, **options)
             elif name.startswith("arg"):
-                moments[name] = _first(values, numbers, moments[name[3:]], along)
+                moments[name] = _first_number_of_extreme(
+                    values, numbers, moments[name[3:]], options
+                )
             else:
-                summed = values if name == "sum" else np.square(values - _mean(moments))
-                moments[name] = np.sum(summed, where=counted, **along)
+                terms = values if name == "sum" else np.square(values - _mean(moments))
+                moments[name] = np.sum(terms, where=is_number, **options)
     return _record(moments)
 
 
-def _first(values: Any, numbers: Any, extreme: Any, along: Any) -> Any:
-    return np.where(values == extreme, numbers, np.inf).min(**along)
+def _first_number_of_extreme(values: Any, numbers: Any, extreme: Any, options: Any) -> Any:
+    return np.where(values == extreme, numbers, np.inf).min(**options)
 
 
-def _joined(parts: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
-    along: Any = {"axis": axis, "keepdims": True}
+def _combined_moments(parts: NDArray[Any], axis: tuple[int, ...], keepdims: bool) -> NDArray[Any]:
+    options: Any = {"axis": axis, "keepdims": True}
     moments: dict[str, Any] = {}
     with np.errstate(invalid="ignore", divide="ignore"):
         for name in parts.dtype.names or ():
             if name.startswith("arg"):
-                of = name[3:]
-                moments[name] = _first(parts[of], parts[name], moments[of], along)
+                extreme_name = name[3:]
+                moments[name] = _first_number_of_extreme(
+                    parts[extreme_name], parts[name], moments[extreme_name], options
+                )
             else:
-                moments[name] = _EXTREMES.get(name, np.add).reduce(parts[name], **along)
+                moments[name] = _EXTREMES.get(name, np.add).reduce(parts[name], **options)
         if "squares" in moments:
-            apart = np.square(_mean(parts) - _mean(moments))
-            moments["squares"] += np.nansum(parts["count"] * apart, **along)
+            # The sum of squares within the parts plus that of their means about the common mean.
+            squared_differences = np.square(_mean(parts) - _mean(moments))
+            moments["squares"] += np.nansum(parts["count"] * squared_differences, **options)
     record = _record(moments)
     return record if keepdims else record.squeeze(axis)
 
@@ -270,6 +285,7 @@ def _record(moments: Mapping[str, Any]) -> NDArray[Any]:
 
 
 def _statistic(moments: Any, what: str, axis: Any = None, stride: float = 1) -> Any:
+    # A statistic from records of moments; for the place of an extreme the value on `axis`.
     with np.errstate(invalid="ignore", divide="ignore"):
         if what == "mean":
             return _mean(moments)
@@ -277,9 +293,9 @@ def _statistic(moments: Any, what: str, axis: Any = None, stride: float = 1) -> 
             return np.sqrt(moments["squares"] / moments["count"])
         if axis is None:
             return moments[what]
-        is_some = np.isfinite(moments[what])
-        at = np.where(is_some, moments[what] // stride % len(axis), 0).astype(np.int64)
-        return np.where(is_some, axis[at], np.nan)
+        has_extreme = np.isfinite(moments[what])
+        index = np.where(has_extreme, moments[what] // stride % len(axis), 0).astype(np.int64)
+        return np.where(has_extreme, axis[index], np.nan)
 
 
 def _crossings(
@@ -291,16 +307,17 @@ def _crossings(
     smaller point.
     """
     lower, upper, first, last = values[..., :-1], values[..., 1:], axis[:-1], axis[1:]
-    crossed = ((lower <= level) & (level <= upper)) | ((lower >= level) & (level >= upper))
+    is_crossed = ((lower <= level) & (level <= upper)) | ((lower >= level) & (level >= upper))
     with np.errstate(invalid="ignore", divide="ignore"):
         crossings = first + (level - lower) / (upper - lower) * (last - first)
+    # At a neighbour that is the level, and beside infinite values, without interpolation.
     crossings = np.where((upper == level) | np.isinf(lower), last, crossings)
     crossings = np.where((lower == level) | np.isinf(upper), first, crossings)
-    end = np.maximum(first, last) if largest else np.minimum(first, last)
-    crossings = np.where((lower == level) & (upper == level), end, crossings)
-    worst = -np.inf if largest else np.inf
-    crossings = np.where(crossed, crossings, worst)
+    better_end = np.maximum(first, last) if largest else np.minimum(first, last)
+    crossings = np.where((lower == level) & (upper == level), better_end, crossings)
+    no_crossing = -np.inf if largest else np.inf
+    crossings = np.where(is_crossed, crossings, no_crossing)
     extreme: NDArray[np.float64] = (np.max if largest else np.min)(
-        crossings, axis=-1, initial=worst
+        crossings, axis=-1, initial=no_crossing
     )
     return extreme

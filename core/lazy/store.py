@@ -78,20 +78,23 @@ class Blocks:
 
     def __init__(self, prepared: Prepared):
         self.prepared, self._fields = prepared, []
-        for one in fields_of(prepared):
-            chunks = chunks_of(prepared, one, block_cells(prepared, one, STORED_CELLS))
-            self._fields.append((one, chunks, [len(lengths) for lengths in chunks.values()]))
-        self._starts = [0, *itertools.accumulate(math.prod(n) for _, _, n in self._fields)]
+        for field in fields_of(prepared):
+            chunks = chunks_of(prepared, field, block_cells(prepared, field, STORED_CELLS))
+            self._fields.append((field, chunks, [len(lengths) for lengths in chunks.values()]))
+        self._starts = [
+            0,
+            *itertools.accumulate(math.prod(block_counts) for _, _, block_counts in self._fields),
+        ]
 
     def __len__(self) -> int:
         return self._starts[-1]
 
     def __getitem__(self, index: int) -> Block:
-        at = next(k for k, stop in enumerate(self._starts[1:]) if index < stop)
-        one, chunks, counts = self._fields[at]
-        place = np.unravel_index(index - self._starts[at], counts) if counts else ()
-        numbers = [int(k) for k in place]
-        return Block(one, box_of(chunks, numbers), dict(zip(one.dims, numbers, strict=True)))
+        field_number = next(number for number, stop in enumerate(self._starts[1:]) if index < stop)
+        field, chunks, counts = self._fields[field_number]
+        position = np.unravel_index(index - self._starts[field_number], counts) if counts else ()
+        numbers = [int(number) for number in position]
+        return Block(field, box_of(chunks, numbers), dict(zip(field.dims, numbers, strict=True)))
 
     def compute(self, index: int, watch: Watch) -> dict[str, NDArray[Any]]:
         """Return the variables of a block; raise `StoppedError` if `watch` stops it."""
@@ -112,19 +115,19 @@ class Blocks:
 
     def chunk(self, name: str) -> tuple[int, ...]:
         """Return the lengths of the blocks of a variable."""
-        chunks = next(chunks for one, chunks, _ in self._fields if name in one.names)
+        chunks = next(chunks for field, chunks, _ in self._fields if name in field.names)
         return tuple(chunks[dim][0] for dim in self.prepared.dims[name])
 
 
-def _computed(
+def _in_batches(
     function: Callable[[int, Watch], Any], numbers: Sequence[int], at_once: int, watch: Watch
 ) -> Iterator[tuple[int, Any]]:
     for start in range(0, len(numbers), at_once):
-        some = numbers[start : start + at_once]
-        with watched(watch.part(len(some) / len(numbers))):
+        batch = numbers[start : start + at_once]
+        with watched(watch.part(len(batch) / len(numbers))):
             task = delayed(function, pure=False)
-            (found,) = compute([task(index, Watch(threads=1)) for index in some])
-        yield from zip(some, found, strict=True)
+            (results,) = compute([task(index, Watch(threads=1)) for index in batch])
+        yield from zip(batch, results, strict=True)
 
 
 # --- NetCDF
@@ -159,7 +162,7 @@ def store_netcdf(
         whole(path) as temporary,
         created(temporary, table, compression=compression, chunks=chunks) as file,
     ):
-        for index, arrays in _computed(blocks.compute, range(len(blocks)), at_once, watch):
+        for index, arrays in _in_batches(blocks.compute, range(len(blocks)), at_once, watch):
             for name, region in blocks.regions(blocks[index]).items():
                 file[name][region] = arrays[name]
 
@@ -169,13 +172,13 @@ def whole_table(prepared: Prepared, outline: Table) -> Table:
     shape = prepared.grid.shape
     variables = {
         name: replace(
-            one,
+            variable,
             values=np.broadcast_to(
-                one.values.reshape(-1)[:1].reshape([1] * len(one.dims)),
-                [shape[d] for d in one.dims],
+                variable.values.reshape(-1)[:1].reshape([1] * len(variable.dims)),
+                [shape[dim] for dim in variable.dims],
             ),
         )
-        for name, one in outline.variables.items()
+        for name, variable in outline.variables.items()
     }
     return Table(coordinates_of(prepared.plan, prepared.grid), variables, outline.attributes)
 
@@ -227,14 +230,15 @@ class ZarrStore:
         if "://" not in self.where and Path(self.where).exists():
             raise FileExistsError(f"{self.where} exists already")
         with plain_errors():
-            there = keys_in(self.under_way)
-            if GROUP in there:
-                begun = open_group(self.under_way).attrs.get(UNFINISHED)
-                if begun is None and "://" in self.where:  # a folder is ours by its name
+            keys = keys_in(self.under_way)
+            if GROUP in keys:
+                unfinished_study = open_group(self.under_way).attrs.get(UNFINISHED)
+                # Only a folder shows by its name that it is ours.
+                if unfinished_study is None and "://" in self.where:
                     raise FileExistsError(f"{self.where} exists already")
-                if resume and begun == self.identity:
+                if resume and unfinished_study == self.identity:
                     return
-            elif there:
+            elif keys:
                 raise FileExistsError(f"{self.where} holds other files")
             remove_all(self.under_way)
             self._create(outline)
@@ -243,16 +247,20 @@ class ZarrStore:
         group = open_group(self.under_way, create=True)
         chunks = {name: self.blocks.chunk(name) for name in outline.variables}
         create_arrays(group, outline, sizes=self.prepared.grid.shape, chunks=chunks)
-        for name, one in coordinates_of(self.prepared.plan, self.prepared.grid).items():
-            put(group, name, ..., one.values)
+        for name, coordinate in coordinates_of(self.prepared.plan, self.prepared.grid).items():
+            put(group, name, ..., coordinate.values)
         group.attrs[UNFINISHED] = self.identity
         names = (*outline.coordinates, *outline.variables)
         put_document(self.under_way, document_of(group, names))
 
     def missing(self) -> list[int]:
         """Return the numbers of the blocks that are not stored."""
-        there = keys_in(self.under_way)
-        return [k for k in range(len(self.blocks)) if not self._keys(self.blocks[k]) <= there]
+        stored_keys = keys_in(self.under_way)
+        return [
+            number
+            for number in range(len(self.blocks))
+            if not self._keys(self.blocks[number]) <= stored_keys
+        ]
 
     def _keys(self, block: Block) -> set[str]:
         dims = self.prepared.dims
@@ -288,22 +296,22 @@ class ZarrStore:
         """
         missing, count = self.missing(), len(self.blocks)
         watch.advance(1 - len(missing) / count)
-        for _ in _computed(self.write, missing, AT_ONCE, watch.part(len(missing) / count)):
+        for _ in _in_batches(self.write, missing, AT_ONCE, watch.part(len(missing) / count)):
             pass
 
-    def finish(self, more: Mapping[str, Any] = MappingProxyType({})) -> None:
-        """Set the attributes and `more`, such as the cost, and make the complete group visible."""
+    def finish(self, further: Mapping[str, Any] = MappingProxyType({})) -> None:
+        """Set the attributes and `further` ones, such as the cost; make the group visible."""
         with plain_errors():
             group = open_group(self.under_way)
-            own = dict(group.attrs)
-            own.pop(UNFINISHED, None)
-            group.attrs.put({**own, **more})
-            begun = group.metadata.consolidated_metadata
-            names = () if begun is None else begun.metadata
+            attributes = dict(group.attrs)
+            attributes.pop(UNFINISHED, None)
+            group.attrs.put({**attributes, **further})
+            consolidated = group.metadata.consolidated_metadata
+            names = () if consolidated is None else consolidated.metadata
             put_document(self.under_way, document_of(group, names))
         if "://" not in self.where:
-            for left in Path(self.under_way).rglob("*.partial"):  # of writers that were killed
-                left.unlink(missing_ok=True)
+            for temporary in Path(self.under_way).rglob("*.partial"):  # of writers that were killed
+                temporary.unlink(missing_ok=True)
             settle(Path(self.under_way), Path(self.where))
 
 

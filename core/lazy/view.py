@@ -43,19 +43,20 @@ class ZarrView:
     """
 
     def __init__(self, sweep: Prepared, outline: Table, *, chunk_cells: int = CHUNK_CELLS):
+        # A group in memory gives the documents; chunks are computed when they are asked for.
         self._sweep, self._outline = sweep, outline
         sizes = sweep.grid.shape
         shapes = {
-            name: even_shape(one.dims, sizes, chunk_cells)
-            for name, one in {**outline.coordinates, **outline.variables}.items()
+            name: even_shape(variable.dims, sizes, chunk_cells)
+            for name, variable in {**outline.coordinates, **outline.variables}.items()
         }
         group = zarr.open_group(MemoryStore(), mode="w", zarr_format=3)
         create_arrays(group, outline, sizes=sizes, chunks=shapes, compressed=False)
         names = (*outline.coordinates, *outline.variables)
-        whole = document_of(group, names)
-        arrays = json.loads(whole)["consolidated_metadata"]["metadata"]
-        self._documents = {GROUP: whole} | {
-            f"{name}/{GROUP}": json.dumps(one).encode() for name, one in arrays.items()
+        document = document_of(group, names)
+        arrays = json.loads(document)["consolidated_metadata"]["metadata"]
+        self._documents = {GROUP: document} | {
+            f"{name}/{GROUP}": json.dumps(variable).encode() for name, variable in arrays.items()
         }
         self._arrays: dict[str, Any] = {name: group[name] for name in names}
 
@@ -73,10 +74,11 @@ class ZarrView:
         return math.prod(array.chunks) * array.dtype.itemsize
 
     def _find(self, key: str) -> tuple[str, tuple[int, ...]]:
-        name, _, rest = key.partition("/")
-        found = _CHUNK.fullmatch(rest)
-        if name in self._arrays and found is not None:
-            index = tuple(map(int, found[1].split("/")[1:]))
+        # The array and the index of the chunk that a key names.
+        name, _, chunk_key = key.partition("/")
+        match = _CHUNK.fullmatch(chunk_key)
+        if name in self._arrays and match is not None:
+            index = tuple(map(int, match[1].split("/")[1:]))
             counts = self._arrays[name].cdata_shape
             if len(index) == len(counts) and all(map(operator.lt, index, counts)):
                 return name, index
@@ -85,8 +87,8 @@ class ZarrView:
     def _chunk(self, name: str, index: tuple[int, ...]) -> bytes:
         array, grid = self._arrays[name], self._sweep.grid
         ends = [
-            (i * length, min((i + 1) * length, size))
-            for i, length, size in zip(index, array.chunks, array.shape, strict=True)
+            (number * length, min((number + 1) * length, size))
+            for number, length, size in zip(index, array.chunks, array.shape, strict=True)
         ]
         if name in grid.axes:
             values: Any = grid.axes[name].array(*ends[0])
@@ -98,17 +100,17 @@ class ZarrView:
             plan, dims = self._sweep.plan.part((name,)), self._outline.variables[name].dims
             piece = grid.piece(dict(zip(dims, ends, strict=True)), plan.parameters)
             values = self._sweep.in_files(name, evaluate(plan, piece)[name])
-        filled = np.full(array.chunks, array.fill_value, array.dtype.newbyteorder("<"))
-        filled[tuple(slice(stop - start) for start, stop in ends)] = values
-        return filled.tobytes()
+        chunk = np.full(array.chunks, array.fill_value, array.dtype.newbyteorder("<"))
+        chunk[tuple(slice(stop - start) for start, stop in ends)] = values
+        return chunk.tobytes()
 
 
-def even_shape(dims: Sequence[str], sizes: Mapping[str, int], most: int) -> tuple[int, ...]:
+def even_shape(dims: Sequence[str], sizes: Mapping[str, int], max_cells: int) -> tuple[int, ...]:
     """Return the chunk lengths of an array: all axes are cut alike."""
-    lengths, room = dict[str, int](), most
+    lengths, cells_left = dict[str, int](), max_cells
     # Short axes first: the room that they leave goes to the long ones.
-    for done, dim in enumerate(sorted(dims, key=lambda dim: sizes[dim])):
-        fair = max(1, int(room ** (1 / (len(dims) - done)) + 1e-9))
-        lengths[dim] = -(-sizes[dim] // -(-sizes[dim] // fair))
-        room //= lengths[dim]
+    for position, dim in enumerate(sorted(dims, key=lambda dim: sizes[dim])):
+        equal_length = max(1, int(cells_left ** (1 / (len(dims) - position)) + 1e-9))
+        lengths[dim] = -(-sizes[dim] // -(-sizes[dim] // equal_length))
+        cells_left //= lengths[dim]
     return tuple(lengths[dim] for dim in dims)

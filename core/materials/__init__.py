@@ -43,10 +43,10 @@ def friction(words: str = "") -> dict[str, Any]:
     ('ABS', 'steel', [0.3, 0.3])
     """
     data = _data("friction.toml")
-    wanted = words.lower().split()
-    pairs = _rows(data["pairs"], wanted, WORDS, VALUES[:3])
-    of_rebounds = tuple(name for name in WORDS if name != "surface")
-    rebounds = _rows(data["rebounds"], wanted, of_rebounds, VALUES[3:])
+    search_words = words.lower().split()
+    pairs = _rows(data["pairs"], search_words, WORDS, VALUES[:3])
+    rebound_columns = tuple(name for name in WORDS if name != "surface")
+    rebounds = _rows(data["rebounds"], search_words, rebound_columns, VALUES[3:])
     return {
         **{name: list(data[name]) for name in ("about", "surfaces", "restitution_notes")},
         "pairs": pairs,
@@ -63,8 +63,8 @@ def pairs() -> tuple[str, ...]:
 def rows_of_pair(pair: str) -> list[dict[str, Any]]:
     """Return the rows of the table of friction for a pair; which of both is the part counts not."""
     part, _, track = (text.strip() for text in pair.lower().partition(" on "))
-    wanted = {f"{part} on {track}", f"{track} on {part}"}
-    return [row for row in friction()["pairs"] if _pair_of(row).lower() in wanted]
+    both_orders = {f"{part} on {track}", f"{track} on {part}"}
+    return [row for row in friction()["pairs"] if _pair_of(row).lower() in both_orders]
 
 
 def _pair_of(row: Mapping[str, Any]) -> str:
@@ -78,9 +78,9 @@ def has_surface(row: Mapping[str, Any], surface: str) -> bool:
 
 def ends(row: Mapping[str, Any], is_static: bool) -> list[float]:
     """Return the ends of friction in a row: of sliding, or at rest; else of what the row has."""
-    wanted = ("static", "kinetic") if is_static else ("kinetic", "static")
-    found = (row[wanted[0]] or row["coefficient"] or row[wanted[1]]) or ()
-    return list(found)
+    columns = ("static", "kinetic") if is_static else ("kinetic", "static")
+    values = (row[columns[0]] or row["coefficient"] or row[columns[1]]) or ()
+    return list(values)
 
 
 def leaf_springs(words: str = "") -> dict[str, Any]:
@@ -115,27 +115,27 @@ def shown(row: Mapping[str, Any], value: str) -> str:
     `row` is a row of the table and `value` the column's name, such as ``static``; an empty text if
     the row has no such range (None).
     """
-    found = row[value]
-    if found is None:
+    ends = row[value]
+    if ends is None:
         return ""
-    least, largest = (f"{number:g}" for number in found)
-    return least if least == largest else f"{least} to {largest}"
+    lower, upper = (f"{number:g}" for number in ends)
+    return lower if lower == upper else f"{lower} to {upper}"
 
 
 def _rows(
     rows: Iterable[Mapping[str, Any]],
-    wanted: Collection[str],
-    words: Sequence[str],
-    values: Sequence[str],
+    search_words: Collection[str],
+    text_columns: Sequence[str],
+    number_columns: Sequence[str],
 ) -> list[dict[str, Any]]:
     return [
         {
-            **{name: row.get(name, "") for name in words},
-            **{name: row.get(name) for name in values},
+            **{name: row.get(name, "") for name in text_columns},
+            **{name: row.get(name) for name in number_columns},
             "source": row["source"],
         }
         for row in rows
-        if _holds(row, wanted, words)
+        if _holds(row, search_words, text_columns)
     ]
 
 
@@ -144,12 +144,15 @@ def _sources(data: Mapping[str, Any], rows: Iterable[Mapping[str, Any]]) -> dict
     return {name: dict(source) for name, source in data["sources"].items() if name in used}
 
 
-def _holds(row: Mapping[str, Any], wanted: Iterable[str], words: Iterable[str]) -> bool:
-    text = " ".join(row.get(name, "") for name in words).lower()
+def _holds(row: Mapping[str, Any], search_words: Iterable[str], columns: Iterable[str]) -> bool:
+    text = " ".join(row.get(name, "") for name in columns).lower()
     for mark in "(),:":
         text = text.replace(mark, " ")
-    present = text.split()
-    return all(any(word.startswith(one) for word in present) for one in wanted)
+    words_in_row = text.split()
+    return all(
+        any(word_in_row.startswith(word_sought) for word_in_row in words_in_row)
+        for word_sought in search_words
+    )
 
 
 @functools.cache

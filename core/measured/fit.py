@@ -173,7 +173,7 @@ class Fit:
     @property
     def amplitude_errors(self) -> Array:
         """The standard errors of the amplitudes [m], shape (axes, orders)."""
-        return np.sqrt(self._turned(0))
+        return np.sqrt(self._variance_along(0))
 
     @property
     def phase_errors(self) -> Array:
@@ -182,15 +182,17 @@ class Fit:
         Infinite without amplitude.
         """
         with np.errstate(divide="ignore", invalid="ignore"):
-            errors = np.sqrt(self._turned(1)) / self.amplitudes
+            errors = np.sqrt(self._variance_along(1)) / self.amplitudes
         return np.where(self.amplitudes > 0.0, errors, np.inf)
 
-    def _turned(self, part: int) -> Array:
+    def _variance_along(self, part: int) -> Array:
+        # Variance of each displacement along its phase (part 0), which is that of the amplitude, or
+        # at a right angle to it (part 1).
         blocks = self.covariance[1:, 1:].reshape(*self.phases.shape, 2, *self.phases.shape, 2)
-        own = np.einsum("jkajkb->jkab", blocks)
+        own_blocks = np.einsum("jkajkb->jkab", blocks)
         cosine, sine = np.cos(self.phases), np.sin(self.phases)
-        unit = np.stack([cosine, sine] if part == 0 else [-sine, cosine], axis=-1)
-        return np.maximum(np.einsum("jka,jkab,jkb->jk", unit, own, unit), 0.0)
+        directions = np.stack([cosine, sine] if part == 0 else [-sine, cosine], axis=-1)
+        return np.maximum(np.einsum("jka,jkab,jkb->jk", directions, own_blocks, directions), 0.0)
 
     @property
     def rest(self) -> Array:
@@ -211,21 +213,21 @@ class Fit:
         """
         if not {"along", "normal"} <= set(self.axes):
             return None
-        rows = [self.axes.index(axis) for axis in ("along", "normal")]
-        lowest = int(np.flatnonzero(self.significant[rows].any(axis=0))[:1].sum())
+        axis_rows = [self.axes.index(axis) for axis in ("along", "normal")]
+        lowest = int(np.flatnonzero(self.significant[axis_rows].any(axis=0))[:1].sum())
         waves = np.where(self.significant, self.amplitudes * np.exp(1j * self.phases), 0.0)
-        along, normal = waves[rows, lowest]
-        product = complex(along * np.conj(normal))
+        along, normal = waves[axis_rows, lowest]
+        cross = complex(along * np.conj(normal))
         sizes = abs(along) ** 2, abs(normal) ** 2
-        spread = float(np.hypot(sizes[0] - sizes[1], 2.0 * product.real))
-        major = float(np.sqrt((sum(sizes) + spread) / 2.0))
-        minor = abs(product.imag) / major if major else 0.0
+        d = float(np.hypot(sizes[0] - sizes[1], 2.0 * cross.real))
+        major = float(np.sqrt((sum(sizes) + d) / 2.0))
+        minor = abs(cross.imag) / major if major else 0.0
         return StrokeEllipse(
             self.orders[lowest],
             major,
             minor,
-            float(np.arctan2(2.0 * product.real, sizes[0] - sizes[1]) / 2.0),
-            float(wrap_angle(-np.angle(product))),
+            float(np.arctan2(2.0 * cross.real, sizes[0] - sizes[1]) / 2.0),
+            float(wrap_angle(-np.angle(cross))),
         )
 
     def parameters(self) -> dict[str, float]:
@@ -240,25 +242,31 @@ class Fit:
         numbers.
         """
         displacement = self.amplitudes * np.exp(1j * self.phases)
-        parts = np.stack([displacement.real, displacement.imag], axis=-1)
-        # Scaled, since a frequency and a displacement differ by many powers of ten.
+        components = np.stack([displacement.real, displacement.imag], axis=-1)
+        # Scaled, since frequency and displacements differ by many powers of ten; square_root times
+        # its transpose is the covariance.
         scale = np.sqrt(np.maximum(np.diag(self.covariance), np.finfo(float).tiny))
         values, vectors = np.linalg.eigh(self.covariance / np.outer(scale, scale))
-        root = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
-        drawn = rng.standard_normal((count, scale.size)) @ root.T
-        drawn += np.concatenate([[self.frequency], parts.ravel()])
+        square_root = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
+        sampled = rng.standard_normal((count, scale.size)) @ square_root.T
+        sampled += np.concatenate([[self.frequency], components.ravel()])
         return [
-            self._named(float(frequency), pair[..., 0] + 1j * pair[..., 1])
-            for frequency, pair in zip(
-                drawn[:, 0], drawn[:, 1:].reshape(count, *parts.shape), strict=True
+            self._named(
+                float(frequency), sampled_components[..., 0] + 1j * sampled_components[..., 1]
+            )
+            for frequency, sampled_components in zip(
+                sampled[:, 0], sampled[:, 1:].reshape(count, *components.shape), strict=True
             )
         ]
 
     def _named(self, frequency: float, displacement: NDArray[np.complex128]) -> dict[str, float]:
+        # Parameters of a study: amplitude [m] and phase [degree] of each significant harmonic.
         named = {"frequency": frequency}
-        for axis, row, kept in zip(self.axes, displacement, self.significant, strict=True):
-            for order, wave, significant in zip(self.orders, row, kept, strict=True):
-                if significant:
+        for axis, row, significant_row in zip(
+            self.axes, displacement, self.significant, strict=True
+        ):
+            for order, wave, is_significant in zip(self.orders, row, significant_row, strict=True):
+                if is_significant:
                     named[f"amplitude_{axis}_{order}"] = float(np.abs(wave))
                     named[f"phase_{axis}_{order}"] = float(
                         np.degrees(wrap_angle(float(np.angle(wave))))
@@ -272,9 +280,9 @@ class Fit:
         recorder's clock [s].
         """
         first, last = self.signal.times[[0, -1]]
-        place = 2.0 * (np.asarray(times) - first) / (last - first) - 1.0
+        scaled_time = 2.0 * (np.asarray(times) - first) / (last - first) - 1.0
         return np.asarray(
-            legval(place, np.hstack([self.constant[:, None], self.drift]).T)
+            legval(scaled_time, np.hstack([self.constant[:, None], self.drift]).T)
         ) + self.periodic(self._phase(times))
 
     def periodic(self, phase: Array) -> Array:
@@ -335,12 +343,11 @@ def fit_signal(signal: Signal) -> Fit:
         more than 5 %.
     """
     check_before(signal)
-    middle = (signal.times[0] + signal.times[-1]) / 2.0
-    samples = Samples(signal.times - middle, signal.values)
-    start = fundamental(samples, signal.frequency, signal.line_frequency)
-    check_orders(signal, samples, start)
-    orders = orders_below(samples, start)[: signal.harmonics]
-    solution, noise = _solve_weighted(samples, start, orders, DRIFT, signal.resolution)
+    samples = Samples(signal.times - (signal.times[0] + signal.times[-1]) / 2.0, signal.values)
+    start_frequency = fundamental(samples, signal.frequency, signal.line_frequency)
+    check_orders(signal, samples, start_frequency)
+    orders = orders_below(samples, start_frequency)[: signal.harmonics]
+    solution, noise = _solve_weighted(samples, start_frequency, orders, DRIFT, signal.resolution)
     significant, degree = _significant(samples, solution, noise)
     if signal.harmonics is None:
         orders = tuple(np.array(orders)[significant.any(axis=0)].tolist()) or (1,)
@@ -349,37 +356,44 @@ def fit_signal(signal: Signal) -> Fit:
     )
     significant, _ = _significant(samples, solution, noise)
     check_fit(signal, samples, solution, noise, bool(significant.any()))
-    fit = _stated(signal, samples, solution, noise, significant)
+    fit = _reported_fit(signal, samples, solution, noise, significant)
     return fit if signal.harmonics is None else replace(fit, significant=np.ones_like(significant))
 
 
 def _solve_weighted(
     samples: Samples, start: float, orders: tuple[int, ...], degree: int, resolution: Array
 ) -> tuple[Solution, Noise]:
-    even = solve_least_squares(samples, start, orders, degree)
-    weights = noise_of(samples, even, resolution).weights
-    solution = solve_least_squares(samples, even.frequency, orders, degree, weights)
-    # The weights that were used, not those that would be next: the errors are those of this fit.
+    # The residual of a fit with equal weights gives the weights of the final one.
+    unweighted = solve_least_squares(samples, start, orders, degree)
+    weights = noise_of(samples, unweighted, resolution).weights
+    solution = solve_least_squares(samples, unweighted.frequency, orders, degree, weights)
+    # With the weights of this fit, for its errors, not those that its residual would give.
     return solution, noise_of(samples, solution, resolution)._replace(weights=weights)
 
 
 def _significant(
     samples: Samples, solution: Solution, noise: Noise
 ) -> tuple[NDArray[np.bool_], int]:
+    # Which harmonics of each axis are significant, and the highest significant degree of the drift.
     covariance = covariance_of(samples, solution, noise)
-    axes, size = solution.coefficients.shape
-    first, fine = solution.degree + 1, hurdle(samples.size)
-    own = np.einsum("jajb->jab", covariance[1:, 1:].reshape(axes, size, axes, size))
-    pairs = own[:, first:, first:].reshape(axes, len(solution.orders), 2, len(solution.orders), 2)
+    axes, unknowns = solution.coefficients.shape
+    first_wave, threshold = solution.degree + 1, hurdle(samples.size)
+    by_axis = np.einsum("jajb->jab", covariance[1:, 1:].reshape(axes, unknowns, axes, unknowns))
+    wave_covariances = by_axis[:, first_wave:, first_wave:].reshape(
+        axes, len(solution.orders), 2, len(solution.orders), 2
+    )
     waves = np.stack([solution.waves.real, solution.waves.imag], axis=-1)
-    inverse = np.linalg.pinv(np.einsum("jkakb->jkab", pairs), hermitian=True)
-    significant = np.einsum("jka,jkab,jkb->jk", waves, inverse, waves) > 2.0 * fine
-    variance = np.diagonal(own, axis1=1, axis2=2)[:, :first]
-    degree = int(np.flatnonzero((solution.drift**2 > fine * variance).any(axis=0)).max(initial=0))
+    inverse = np.linalg.pinv(np.einsum("jkakb->jkab", wave_covariances), hermitian=True)
+    # Wald's statistic w' C^-1 w of both parts of a wave, against the threshold of two coefficients.
+    significant = np.einsum("jka,jkab,jkb->jk", waves, inverse, waves) > 2.0 * threshold
+    variance = np.diagonal(by_axis, axis1=1, axis2=2)[:, :first_wave]
+    degree = int(
+        np.flatnonzero((solution.drift**2 > threshold * variance).any(axis=0)).max(initial=0)
+    )
     return significant, degree
 
 
-def _stated(
+def _reported_fit(
     signal: Signal,
     samples: Samples,
     solution: Solution,
@@ -387,54 +401,67 @@ def _stated(
     significant: NDArray[np.bool_],
 ) -> Fit:
     covariance = covariance_of(samples, solution, noise)
-    error = float(np.sqrt(covariance[0, 0]))
-    line = signal.line_frequency
-    frequency = solution.frequency if line is None else line
+    frequency_error = float(np.sqrt(covariance[0, 0]))
+    known_frequency = signal.line_frequency
+    frequency = solution.frequency if known_frequency is None else known_frequency
     orders = np.array(solution.orders)
-    strength = np.abs(solution.waves)
+    wave_sizes = np.abs(solution.waves)
     lowest = int(np.flatnonzero(significant.any(axis=0))[0])
-    largest = int(strength[:, lowest].argmax())
-    # c/(i k w)^d is the displacement; turned by k theta, the reference has phase 0.
+    largest = int(wave_sizes[:, lowest].argmax())
+    # c/(i k w)^d is the displacement; turned by k turn, that of the reference has phase 0.
     displacement = solution.waves / (2.0j * np.pi * frequency * orders) ** signal.derivative
-    theta = -float(np.angle(displacement[largest, lowest])) / solution.orders[lowest]
-    displacement = displacement * np.exp(1j * orders * theta)
+    turn = -float(np.angle(displacement[largest, lowest])) / solution.orders[lowest]
+    displacement = displacement * np.exp(1j * orders * turn)
     displacement[largest, lowest] = np.abs(displacement[largest, lowest])
-    periodic = np.sqrt((strength**2).sum() / 2.0)
+    rms = np.sqrt((wave_sizes**2).sum() / 2.0)
     drift = solution.drift[:, 1:]
     drift_squares = (drift**2 / (2.0 * np.arange(1, solution.degree + 1) + 1.0)).sum(axis=1)
     return Fit(
         axes=signal.axes,
         orders=solution.orders,
         frequency=frequency,
-        frequency_error=error if line is None else 0.0,
-        clock=None if line is None else Clock(solution.frequency / line - 1.0, error / line),
+        frequency_error=frequency_error if known_frequency is None else 0.0,
+        clock=None
+        if known_frequency is None
+        else Clock(solution.frequency / known_frequency - 1.0, frequency_error / known_frequency),
         amplitudes=np.abs(displacement),
         phases=wrap_angle(np.angle(displacement)),
         significant=significant,
         covariance=_covariance_of_displacements(
-            covariance, solution, displacement, theta, (largest, lowest), line, signal.derivative
+            covariance,
+            solution,
+            displacement,
+            turn,
+            (largest, lowest),
+            known_frequency,
+            signal.derivative,
         ),
         constant=solution.drift[:, 0],
         drift=drift,
-        left_over=np.sqrt(np.mean(solution.residual**2, axis=1)) / periodic,
-        drifting=np.sqrt(drift_squares) / periodic,
+        left_over=np.sqrt(np.mean(solution.residual**2, axis=1)) / rms,
+        drifting=np.sqrt(drift_squares) / rms,
         effective_samples=samples.size
         * np.minimum(1.0 / (noise.weights * noise.densities[1 + lowest].diagonal()), 1.0),
         tilt=_tilt_of(signal.axes, solution.drift[:, 0]) if signal.derivative == 2 else None,
-        origin=samples.half + theta / (2.0 * np.pi * solution.frequency),
+        origin=samples.half + turn / (2.0 * np.pi * solution.frequency),
         signal=signal,
     )
 
 
 def _tilt_of(axes: tuple[str, ...], constant: NDArray[np.float64]) -> Tilt | None:
-    shown = dict(zip(axes, constant.tolist(), strict=True))
-    size = float(np.linalg.norm(constant))
-    if not {"along", "normal"} <= shown.keys() or abs(size / STANDARD_GRAVITY - 1.0) > SIZE:
+    # The mean acceleration of a sensor at rest is gravity, if its size is near 1 g.
+    mean_of_axis = dict(zip(axes, constant.tolist(), strict=True))
+    magnitude = float(np.linalg.norm(constant))
+    if (
+        not {"along", "normal"} <= mean_of_axis.keys()
+        or abs(magnitude / STANDARD_GRAVITY - 1.0) > SIZE
+    ):
         return None
     climb, lean = (
-        float(np.arctan2(shown.get(axis, np.nan), shown["normal"])) for axis in ("along", "across")
+        float(np.arctan2(mean_of_axis.get(axis, np.nan), mean_of_axis["normal"]))
+        for axis in ("along", "across")
     )
-    return Tilt(climb, lean, size)
+    return Tilt(climb, lean, magnitude)
 
 
 def _covariance_of_displacements(
@@ -443,7 +470,7 @@ def _covariance_of_displacements(
     displacement: NDArray[np.complex128],
     theta: float,
     reference: tuple[int, int],
-    line: float | None,
+    known_frequency: float | None,
     derivative: int,
 ) -> Array:
     """Return the covariance of frequency [Hz] and displacements [m] of a fit.
@@ -454,29 +481,33 @@ def _covariance_of_displacements(
     harmonic `reference` (axis, order): dz = dc exp(i k theta)/(i k w)^d - i k z
     Im(dc_ref/c_ref)/k_ref - d z df/f.
 
-    `covariance` is that of frequency and waves; `line` is a known frequency [Hz], which has no
-    error, or None.
+    `covariance` is that of frequency and waves; `known_frequency` [Hz] has no error, or is None.
     """
-    axes, size = solution.coefficients.shape
-    first = solution.degree + 1
+    axes, unknowns = solution.coefficients.shape
+    first_wave = solution.degree + 1
     orders, waves = np.array(solution.orders), solution.waves
-    pairs = 1 + np.arange(axes)[:, None] * size + first + 2 * np.arange(orders.size)
-    frequency = solution.frequency if line is None else line
-    change = np.zeros((*waves.shape, len(covariance)), dtype=np.complex128)
+    wave_columns = 1 + np.arange(axes)[:, None] * unknowns + first_wave + 2 * np.arange(orders.size)
+    frequency = solution.frequency if known_frequency is None else known_frequency
+    derivatives = np.zeros((*waves.shape, len(covariance)), dtype=np.complex128)
     scale = np.exp(1j * orders * theta) / (2.0j * np.pi * frequency * orders) ** derivative
     for axis in range(axes):
-        for place in range(orders.size):
-            own = pairs[axis, place]
-            change[axis, place, own : own + 2] = scale[place], 1j * scale[place]
-    if line is None:
-        change[..., 0] = -derivative * displacement / frequency
-    own = pairs[reference]
-    turn = np.array([1.0, 1j]) / waves[reference]
-    share = orders / orders[reference[1]]
-    change[..., own : own + 2] -= 1j * (displacement * share)[..., None] * turn.imag
-    change[reference] = change[reference].real  # its phase is 0 by choice, without error
-    rows = np.zeros((1 + 2 * waves.size, len(covariance)))
-    rows[0, 0] = 1.0 if line is None else 0.0
-    rows[1::2] = change.real.reshape(waves.size, -1)
-    rows[2::2] = change.imag.reshape(waves.size, -1)
-    return rows @ covariance @ rows.T
+        for position in range(orders.size):
+            columns = wave_columns[axis, position]
+            derivatives[axis, position, columns : columns + 2] = (
+                scale[position],
+                1j * scale[position],
+            )
+    if known_frequency is None:
+        derivatives[..., 0] = -derivative * displacement / frequency
+    columns = wave_columns[reference]
+    phase_derivative = np.array([1.0, 1j]) / waves[reference]
+    order_ratios = orders / orders[reference[1]]
+    derivatives[..., columns : columns + 2] -= (
+        1j * (displacement * order_ratios)[..., None] * phase_derivative.imag
+    )
+    derivatives[reference] = derivatives[reference].real  # its phase is 0 by choice, without error
+    jacobian = np.zeros((1 + 2 * waves.size, len(covariance)))
+    jacobian[0, 0] = 1.0 if known_frequency is None else 0.0
+    jacobian[1::2] = derivatives.real.reshape(waves.size, -1)
+    jacobian[2::2] = derivatives.imag.reshape(waves.size, -1)
+    return jacobian @ covariance @ jacobian.T

@@ -126,32 +126,35 @@ def solve_least_squares(
         False keeps the frequency.
     """
     weights = np.ones(len(samples.values)) if weights is None else weights
-    limit = LONGEST_STEP / (samples.duration * max(orders))
-    last = not free
+    longest_step = LONGEST_STEP / (samples.duration * max(orders))
+    is_last = not free
     for _ in range(MAX_STEPS):
         basis = columns(samples, frequency, orders, degree)
-        gram = basis.T @ basis
-        coefficients = np.asarray(np.linalg.solve(gram, basis.T @ samples.values.T).T, np.float64)
+        normal_matrix = basis.T @ basis
+        coefficients = np.asarray(
+            np.linalg.solve(normal_matrix, basis.T @ samples.values.T).T, np.float64
+        )
         residual = samples.values - coefficients @ basis.T
         solution = Solution(frequency, orders, degree, coefficients, residual)
-        if last:
+        if is_last:
             break
-        change = _by_frequency(samples, basis, solution)
-        change -= np.linalg.solve(gram, basis.T @ change.T).T @ basis.T
-        size = weights @ (change * change).sum(axis=1)
-        if size <= 0.0:  # nothing moves at this frequency
+        change = _derivative_by_frequency(samples, basis, solution)
+        # Without the part that the coefficients could imitate.
+        change -= np.linalg.solve(normal_matrix, basis.T @ change.T).T @ basis.T
+        square_of_change = weights @ (change * change).sum(axis=1)
+        if square_of_change <= 0.0:  # the residual does not depend on the frequency
             break
-        step = float(weights @ (change * residual).sum(axis=1) / size)
-        frequency += float(np.clip(step, -limit, limit))
-        last = abs(step) * samples.duration < CONVERGED
+        step = float(weights @ (change * residual).sum(axis=1) / square_of_change)
+        frequency += float(np.clip(step, -longest_step, longest_step))
+        is_last = abs(step) * samples.duration < CONVERGED
     return solution
 
 
-def _by_frequency(samples: Samples, basis: Array, solution: Solution) -> Array:
+def _derivative_by_frequency(samples: Samples, basis: Array, solution: Solution) -> Array:
     waves = basis[:, solution.degree + 1 :]
     sine, cosine = waves[:, 0::2], waves[:, 1::2]
-    turned = 2.0 * np.pi * np.array(solution.orders) * solution.waves
-    return (turned.real @ cosine.T - turned.imag @ sine.T) * samples.times
+    slopes = 2.0 * np.pi * np.array(solution.orders) * solution.waves
+    return (slopes.real @ cosine.T - slopes.imag @ sine.T) * samples.times
 
 
 # --- The errors of a fit, estimated from its residual, whatever its colour.
@@ -186,37 +189,38 @@ def noise_of(samples: Samples, solution: Solution, resolution: Array) -> Noise:
     """
     count = samples.size
     # Rounding to the recorder's steps, or of numbers: a mounting mixes that of all axes.
-    floor = np.maximum(resolution**2 / 12.0, np.mean(samples.values**2) * ROUNDING**2)
-    variance = np.maximum(np.mean(solution.residual**2, axis=1), floor)
+    least_variance = np.maximum(resolution**2 / 12.0, np.mean(samples.values**2) * ROUNDING**2)
+    variance = np.maximum(np.mean(solution.residual**2, axis=1), least_variance)
     variance[variance == 0.0] = 1.0  # of a recording that is nothing but zeros
     centres = np.array([0, *solution.orders]) * solution.frequency * samples.duration
     densities = []
     spectrum = np.fft.rfft(solution.residual) / np.sqrt(count)
     for centre in centres:
         density = density_near(spectrum, centre, centres, solution.degree)
-        lacking = np.maximum(floor - np.diag(density), 0.0)
-        densities.append(density + np.diag(lacking))
+        densities.append(density + np.diag(np.maximum(least_variance - np.diag(density), 0.0)))
     return Noise(np.array(densities), 1.0 / variance)
 
 
 def density_near(
-    spectrum: NDArray[np.complex128], centre: float, fitted: Array, degree: int
+    spectrum: NDArray[np.complex128], centre: float, fitted_bins: Array, degree: int
 ) -> Array:
     """Return the spectral density of the noise around a line, shape (axes, axes) [m2 s-4].
 
     The mean over the bins nearest to `centre` that no fitted wave touches; off the diagonal for
     pairs of axes. `spectrum`, shape (axes, bins), is the Fourier transform of the residual over the
-    root of the number of samples [m s-2]; `fitted`, shape (k,), are the places of fitted waves in
-    bins, `degree` that of the fitted drift, which reaches up to half as many bins.
+    root of the number of samples [m s-2]; `fitted_bins`, shape (k,), are the places of fitted waves
+    in bins, `degree` that of the fitted drift, which reaches up to half as many bins.
     """
     bins = np.arange(spectrum.shape[1])
-    free = (np.abs(bins[:, None] - fitted) > TOUCHED).all(axis=1) & (bins > degree / 2.0)
-    places = bins[free]
-    near = places[
-        np.argsort(np.abs(places - centre), kind="stable")[: BINS if centre > 0.0 else LOWEST_BINS]
+    is_free = (np.abs(bins[:, None] - fitted_bins) > TOUCHED).all(axis=1) & (bins > degree / 2.0)
+    free_bins = bins[is_free]
+    nearest = free_bins[
+        np.argsort(np.abs(free_bins - centre), kind="stable")[
+            : BINS if centre > 0.0 else LOWEST_BINS
+        ]
     ]
-    part = spectrum[:, near]
-    return (part @ part.conj().T).real / max(near.size, 1)
+    amplitudes = spectrum[:, nearest]
+    return (amplitudes @ amplitudes.conj().T).real / max(nearest.size, 1)
 
 
 def hurdle(count: int) -> float:
@@ -241,36 +245,40 @@ def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
 
     `samples` are times and values of the recording, `solution` is the fit, `noise` holds S and w.
     """
-    axes, size = solution.coefficients.shape
-    first = solution.degree + 1
+    axes, unknowns = solution.coefficients.shape
+    first_wave = solution.degree + 1
     basis = columns(samples, solution.frequency, solution.orders, solution.degree)
-    slanted = basis[:, first:] * (samples.times / samples.half)[:, None]
-    gram = np.hstack([basis, slanted])
+    waves_times_time = basis[:, first_wave:] * (samples.times / samples.half)[:, None]
+    gram = np.hstack([basis, waves_times_time])
     gram = gram.T @ gram
+    # The group of each column: 0 for the drift, else its order.
     order = np.repeat(np.arange(1, len(solution.orders) + 1), 2)
-    group = np.concatenate([np.zeros(first, dtype=np.int64), order, order])
+    group = np.concatenate([np.zeros(first_wave, dtype=np.int64), order, order])
 
     # Column by unknown: the first unknown is the frequency, in turns over half of the recording.
-    derivative = np.zeros((axes, group.size, 1 + axes * size))
-    turned = 2.0 * np.pi * np.array(solution.orders) * solution.waves
+    derivative = np.zeros((axes, group.size, 1 + axes * unknowns))
+    slopes_by_frequency = 2.0 * np.pi * np.array(solution.orders) * solution.waves
     for axis in range(axes):
-        derivative[axis, np.arange(size), 1 + axis * size + np.arange(size)] = 1.0
-        derivative[axis, size::2, 0] = -turned[axis].imag
-        derivative[axis, size + 1 :: 2, 0] = turned[axis].real
+        derivative[axis, np.arange(unknowns), 1 + axis * unknowns + np.arange(unknowns)] = 1.0
+        derivative[axis, unknowns::2, 0] = -slopes_by_frequency[axis].imag
+        derivative[axis, unknowns + 1 :: 2, 0] = slopes_by_frequency[axis].real
 
     weighted = noise.weights[:, None, None] * derivative
-    bread = _sum_products(weighted, gram @ derivative)
-    meat = np.zeros_like(bread)
-    for index, density in enumerate(noise.densities):
-        own = group == index
-        part = weighted[:, own]
-        meat += _sum_products(np.tensordot(density, part, 1), gram[np.ix_(own, own)] @ part)
+    hessian = _sum_products(weighted, gram @ derivative)
+    middle = np.zeros_like(hessian)
+    for number, density in enumerate(noise.densities):
+        of_group = group == number
+        group_derivative = weighted[:, of_group]
+        middle += _sum_products(
+            np.tensordot(density, group_derivative, 1),
+            gram[np.ix_(of_group, of_group)] @ group_derivative,
+        )
     # Weights and waves differ by many powers of ten: a scaled matrix is inverted.
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(bread), np.finfo(float).tiny))
-    inverse = np.linalg.pinv(bread * np.outer(scale, scale), hermitian=True)
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(hessian), np.finfo(float).tiny))
+    inverse = np.linalg.pinv(hessian * np.outer(scale, scale), hermitian=True)
     inverse *= np.outer(scale, scale)
     inverse[0] /= samples.half
-    covariance = inverse @ meat @ inverse.T
+    covariance = inverse @ middle @ inverse.T
     return (covariance + covariance.T) / 2.0
 
 
@@ -333,28 +341,32 @@ def fundamental(samples: Samples, guess: float | None, line: float | None) -> fl
     settles it likewise, if its orders hold most of the recording: the drive may run at a fraction
     of it. `samples` are the recorded accelerations.
     """
-    drift = legvander(samples.times / samples.half, DRIFT)
-    drifting = np.linalg.lstsq(drift, samples.values.T, rcond=None)[0].T @ drift.T
-    start = samples._replace(values=samples.values - drifting)
-    frequency = strongest_line(start).frequency
+    drift_columns = legvander(samples.times / samples.half, DRIFT)
+    drift_values = (
+        np.linalg.lstsq(drift_columns, samples.values.T, rcond=None)[0].T @ drift_columns.T
+    )
+    without_drift = samples._replace(values=samples.values - drift_values)
+    frequency = strongest_line(without_drift).frequency
     if guess is not None:
-        near = _part_near(frequency, guess)
+        near_fraction = _fraction_near(frequency, guess)
         lowest, highest = guess * (1.0 - GUESS), guess * (1.0 + GUESS)
-        return near or strongest_line(start, lowest, highest).frequency
-    if line is not None and (near := _part_near(frequency, line)) is not None:
-        solution = solve_least_squares(samples, near, orders_below(samples, near), DRIFT)
-        left = np.mean(solution.residual**2, axis=1).sum()
-        if left <= MAX_LEFT**2 * (np.abs(solution.waves) ** 2).sum() / 2.0:
+        return near_fraction or strongest_line(without_drift, lowest, highest).frequency
+    if line is not None and (near_fraction := _fraction_near(frequency, line)) is not None:
+        solution = solve_least_squares(
+            samples, near_fraction, orders_below(samples, near_fraction), DRIFT
+        )
+        residual_power = np.mean(solution.residual**2, axis=1).sum()
+        if residual_power <= MAX_LEFT**2 * (np.abs(solution.waves) ** 2).sum() / 2.0:
             return solution.frequency
     solution = solve_least_squares(samples, frequency, orders_below(samples, frequency), DRIFT)
-    while (lower := _lower(samples, solution)) is not None:
+    while (lower := _at_integer_fraction(samples, solution)) is not None:
         solution = lower
     return solution.frequency
 
 
-def _part_near(frequency: float, expected: float) -> float | None:
-    part = frequency / max(round(frequency / expected), 1)
-    return part if abs(part / expected - 1.0) <= GUESS else None
+def _fraction_near(frequency: float, expected: float) -> float | None:
+    fraction = frequency / max(round(frequency / expected), 1)
+    return fraction if abs(fraction / expected - 1.0) <= GUESS else None
 
 
 def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.inf) -> Line:
@@ -364,23 +376,23 @@ def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.in
     around it. Drift must have been removed from the `samples`; lines with fewer than two periods in
     the recording are left out.
     """
-    even = _without_gaps(samples)
-    count, rate = even.size, even.size / even.duration
+    evenly_sampled = _without_gaps(samples)
+    count, rate = evenly_sampled.size, evenly_sampled.size / evenly_sampled.duration
     size = next_fast_len(PADDING * count, real=True)
-    spectrum = np.fft.rfft(even.values * np.hanning(count), size)
+    spectrum = np.fft.rfft(evenly_sampled.values * np.hanning(count), size)
     power = (np.abs(spectrum) ** 2).sum(axis=0)
-    places = np.fft.rfftfreq(size, 1.0 / rate)
+    frequencies = np.fft.rfftfreq(size, 1.0 / rate)
     lowest = max(lowest, SLOWEST / samples.duration)
-    allowed = (places >= lowest) & (places <= min(highest, NYQUIST_SHARE * rate))
-    peak = int(np.argmax(np.where(allowed, power, -1.0)))
-    wave = solve_least_squares(samples, float(places[peak]), (1,), 0)
-    strength = np.abs(wave.waves[:, 0]) ** 2 / 2.0
-    spectrum = np.fft.rfft(wave.residual) / np.sqrt(samples.size)
-    place = np.array([wave.frequency * samples.duration])
-    noise = np.diag(density_near(spectrum, float(place[0]), place, DRIFT))
+    is_allowed = (frequencies >= lowest) & (frequencies <= min(highest, NYQUIST_SHARE * rate))
+    peak = int(np.argmax(np.where(is_allowed, power, -1.0)))
+    fit = solve_least_squares(samples, float(frequencies[peak]), (1,), 0)
+    strength = np.abs(fit.waves[:, 0]) ** 2 / 2.0
+    spectrum = np.fft.rfft(fit.residual) / np.sqrt(samples.size)
+    bin_of_wave = np.array([fit.frequency * samples.duration])
+    noise = np.diag(density_near(spectrum, float(bin_of_wave[0]), bin_of_wave, DRIFT))
     with np.errstate(divide="ignore", invalid="ignore"):
         contrast = np.nan_to_num(samples.size * strength / (2.0 * noise), posinf=np.inf)
-    return Line(wave.frequency, float(strength.sum()), float(contrast.max()))
+    return Line(fit.frequency, float(strength.sum()), float(contrast.max()))
 
 
 def _without_gaps(samples: Samples) -> Samples:
@@ -390,7 +402,9 @@ def _without_gaps(samples: Samples) -> Samples:
     if steps.max() <= (1.0 + UNEVEN) * step:
         return samples
     times = np.linspace(-samples.half, samples.half, round(2.0 * samples.half / step) + 1)
-    return Samples(times, np.array([np.interp(times, samples.times, v) for v in samples.values]))
+    return Samples(
+        times, np.array([np.interp(times, samples.times, channel) for channel in samples.values])
+    )
 
 
 def stands_out(line: Line, count: int) -> bool:
@@ -398,27 +412,26 @@ def stands_out(line: Line, count: int) -> bool:
     return line.contrast > hurdle(count**2)
 
 
-def _lower(samples: Samples, solution: Solution) -> Solution | None:
-    # The strongest line may be a harmonic of the drive: a fit at an integer fraction of it.
-    left = samples._replace(values=solution.residual)
-    line = strongest_line(left)
+def _at_integer_fraction(samples: Samples, solution: Solution) -> Solution | None:
+    # The strongest line may be a harmonic of the drive: the fit at the largest integer fraction of
+    # its frequency of which the strongest line of the residual is a multiple, too; None if none is.
+    line = strongest_line(samples._replace(values=solution.residual))
     power = (np.abs(solution.waves) ** 2).sum() / 2.0
     if not stands_out(line, samples.size) or line.power < LEAST_SHARE * power:
         return None
     ratio = line.frequency / solution.frequency
     # Three standard errors of a line's place, in bins: sqrt(6/contrast)/(2 pi) each.
-    error = LEAKAGE + 3.0 * np.sqrt(6.0 / line.contrast) / (2.0 * np.pi)
-    error /= solution.frequency * samples.duration
-    for part in range(2, MAX_ORDERS + 1):
-        frequency = solution.frequency / part
-        whole = round(part * ratio)
-        if frequency * samples.duration < LEAST_PERIODS / 2.0 or whole > MAX_ORDERS:
+    ratio_error = LEAKAGE + 3.0 * np.sqrt(6.0 / line.contrast) / (2.0 * np.pi)
+    ratio_error /= solution.frequency * samples.duration
+    for divisor in range(2, MAX_ORDERS + 1):
+        frequency = solution.frequency / divisor
+        multiple = round(divisor * ratio)
+        if frequency * samples.duration < LEAST_PERIODS / 2.0 or multiple > MAX_ORDERS:
             return None
-        if abs(part * ratio - whole) > part * error:
+        if abs(divisor * ratio - multiple) > divisor * ratio_error:
             continue
-        lower = solve_least_squares(samples, frequency, orders_below(samples, frequency), DRIFT)
-        if (
-            np.mean(solution.residual**2, axis=1).sum() - np.mean(lower.residual**2, axis=1).sum()
-        ) > line.power / 2.0:
-            return lower
+        fit = solve_least_squares(samples, frequency, orders_below(samples, frequency), DRIFT)
+        power_before = np.mean(solution.residual**2, axis=1).sum()
+        if power_before - np.mean(fit.residual**2, axis=1).sum() > line.power / 2.0:
+            return fit
     return None

@@ -47,35 +47,39 @@ def clipping_problems(
     """
     if np.ptp(values) == 0.0:  # a channel that never moves has no range
         return
-    for word, toward in (("highest", values), ("lowest", -values)):
-        extreme = toward.max()
-        held = toward == extreme
-        if held.sum() < CREST * (toward == toward[~held].max()).sum():
+    for end_word, signed_values in (("highest", values), ("lowest", -values)):
+        extreme = signed_values.max()
+        is_extreme = signed_values == extreme
+        if is_extreme.sum() < CREST * (signed_values == signed_values[~is_extreme].max()).sum():
             continue
-        starts = np.flatnonzero(np.diff(held.astype(np.int8), prepend=0) == 1)
-        stops = np.flatnonzero(np.diff(held.astype(np.int8), append=0) == -1) + 1
-        runs = stops - starts >= RUN
-        if runs.any() or _crests_differ(toward, held):
-            first = lines[starts[runs][0] if runs.any() else starts[0]]
+        starts = np.flatnonzero(np.diff(is_extreme.astype(np.int8), prepend=0) == 1)
+        stops = np.flatnonzero(np.diff(is_extreme.astype(np.int8), append=0) == -1) + 1
+        is_run = stops - starts >= RUN
+        if is_run.any() or _crests_differ(signed_values, is_extreme):
+            first_line = lines[starts[is_run][0] if is_run.any() else starts[0]]
             yield Problem(
                 path,
-                f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
-                f"{values[starts[0]]:g}, first in line {first}",
+                f"column '{name}' is clipped: {is_extreme.sum()} samples hold its {end_word} value "
+                f"{values[starts[0]]:g}, first in line {first_line}",
                 "Record again with a wider range of the sensor",
             )
 
 
-def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
-    crests = np.flatnonzero(held[1:-1]) + 1
+def _crests_differ(values: NDArray[np.float64], is_extreme: NDArray[np.bool_]) -> bool:
+    crests = np.flatnonzero(is_extreme[1:-1]) + 1
     if crests.size < VISITS:
         return False
-    before, at, after = values[crests - 1], values[crests], values[crests + 1]
-    bend, lean = 2.0 * at - before - after, after - before
+    before, top, after = values[crests - 1], values[crests], values[crests + 1]
+    curvature, slope = 2.0 * top - before - after, after - before
     tenth = crests.size // 10
-    over = np.sort(lean**2 / (8.0 * bend))[tenth : crests.size - tenth]
-    # The steps near the top: what is printed with so many digits has finer ones near zero.
+    # Height of the crest above its top sample, by the parabola through three samples: s^2/(8 c).
+    heights_above = np.sort(slope**2 / (8.0 * curvature))[tenth : crests.size - tenth]
+    # Steps near the top only: numbers with few printed digits have finer steps near zero.
     upper = np.unique(values[values >= values.max() - 0.25 * np.ptp(values)])
-    return bool(np.ptp(over) - np.diff(over).max() > STEPS * np.diff(upper).min(initial=np.inf))
+    return bool(
+        np.ptp(heights_above) - np.diff(heights_above).max()
+        > STEPS * np.diff(upper).min(initial=np.inf)
+    )
 
 
 # --- The orientation of a sensor of three axes on the track.
@@ -98,31 +102,31 @@ def _rotation(mounting: object) -> NDArray[np.float64]:
     # R = R_z(yaw) R_y(pitch) R_x(roll); of a matrix the nearest rotation is taken.
     if mounting is None:
         return np.eye(3)
-    parts = list(mounting) if isinstance(mounting, list | tuple | np.ndarray) else []
-    what = "the mounting of the sensor is"
-    if len(parts) != 3:
-        raise refused("mounting", f"{what} neither three angles nor a matrix", FIX)
-    if all(np.ndim(part) == 0 for part in parts):
-        return _rotation_of_angles(parts)
+    entries = list(mounting) if isinstance(mounting, list | tuple | np.ndarray) else []
+    subject = "the mounting of the sensor is"
+    if len(entries) != 3:
+        raise refused("mounting", f"{subject} neither three angles nor a matrix", FIX)
+    if all(np.ndim(entry) == 0 for entry in entries):
+        return _rotation_of_angles(entries)
     try:
-        matrix = np.array(parts, dtype=np.float64)
+        matrix = np.array(entries, dtype=np.float64)
     except (TypeError, ValueError):
         matrix = np.full((1, 1), np.nan)
     if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=ORTHONORMAL):
-        raise refused("mounting", f"{what} a matrix that is not a rotation", FIX)
+        raise refused("mounting", f"{subject} a matrix that is not a rotation", FIX)
     if np.linalg.det(matrix) < 0:
         raise refused(
             "mounting",
-            f"{what} a matrix that mirrors the axes; it has to be a rotation",
+            f"{subject} a matrix that mirrors the axes; it has to be a rotation",
             'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]',
         )
     return Rotation.from_matrix(matrix).as_matrix()
 
 
-def _rotation_of_angles(parts: list[object]) -> NDArray[np.float64]:
+def _rotation_of_angles(entries: list[object]) -> NDArray[np.float64]:
     angles: list[float] = []
     problems: list[Problem] = []
-    for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):
+    for (name, quantity), raw in zip(ANGLES.items(), entries, strict=True):
         with gathered(problems, f"mounting.{name}"):
             angles.append(
                 read_number(name, quantity, raw.item() if isinstance(raw, np.generic) else raw)
@@ -263,7 +267,7 @@ class Signal(NamedTuple):
 
 
 def read_signal(
-    source: str | Path | InputTable, recording: Recording, least: int = LEAST_SAMPLES
+    source: str | Path | InputTable, recording: Recording, min_samples: int = LEAST_SAMPLES
 ) -> Signal:
     """Return the motion of a track from a recording, in the axes of the track, with times.
 
@@ -273,7 +277,7 @@ def read_signal(
         The recording: the text of a table, the path of a file, or the table read from it.
     recording : Recording
         Section of the study that says which columns hold what: axes, units, times, mounting.
-    least : int
+    min_samples : int
         The fewest samples that are read.
 
     Raises
@@ -292,12 +296,12 @@ def read_signal(
         with gathered(problems):
             channels.append(_channel(table, path, name, recording))
     with gathered(problems):
-        turned = _rotation(recording.mounting)
-    known = {}
+        rotation = _rotation(recording.mounting)
+    frequencies = {}
     for key in ("line_frequency", "frequency"):
         with gathered(problems, key):
             raw = getattr(recording, key)
-            known[key] = None if raw is None else read_number(key, FREQUENCY, raw)
+            frequencies[key] = None if raw is None else read_number(key, FREQUENCY, raw)
     count = recording.harmonics
     if count is not None and (type(count) is not int or not 1 <= count <= MAX_ORDERS):
         problems.append(
@@ -307,12 +311,12 @@ def read_signal(
                 f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out",
             )
         )
-    if len(table.lines) < least:
+    if len(table.lines) < min_samples:
         problems.append(
             Problem(
                 "recording",
                 f"the recording has {len(table.lines)} samples, which is too few",
-                f"Record at least {least} samples",
+                f"Record at least {min_samples} samples",
             )
         )
     if len({kind for *_, kind in channels}) > 1:
@@ -324,18 +328,18 @@ def read_signal(
             )
         )
     raise_any(problems)
-    values = np.array([one[0] for one in channels])[:, times.kept]
-    resolution = np.array([one[1] for one in channels])
+    values = np.array([samples for samples, _, _ in channels])[:, times.kept]
+    resolution = np.array([step for _, step, _ in channels])
     axes = tuple(path for path, _ in names)
     if recording.sensor is not None:
-        values, axes = turned @ values, AXES
-        resolution = np.sqrt(turned**2 @ resolution**2)
+        values, axes = rotation @ values, AXES
+        resolution = np.sqrt(rotation**2 @ resolution**2)
     return Signal(
         times.seconds,
         values,
         axes,
         resolution,
-        **known,
+        **frequencies,
         harmonics=count,
         slopes=recording.slopes,
         assumed=times.assumed,
@@ -351,7 +355,7 @@ def read_once(table: InputTable, recording: Recording) -> tuple[Signal, dict[str
     acceleration, which is gravity, if the sensor shows it, and what is left over at the end. That
     is the second, by axis [m s-2]. Raises `StudyError` with all problems.
     """
-    signal = read_signal(table, recording, least=2)
+    signal = read_signal(table, recording, min_samples=2)
     problems = [
         Problem(key, "it belongs to a fit, and the recording is followed once", "Leave it out")
         for key in ("line_frequency", "frequency", "harmonics")
@@ -367,20 +371,21 @@ def read_once(table: InputTable, recording: Recording) -> tuple[Signal, dict[str
     raise_any(problems)
     times, values = signal.times - signal.times[0], signal.values
     if signal.derivative == 2:
-        gained = np.array([np.trapezoid(one, times) for one in values])
-        mean = gained[:, np.newaxis] / times[-1]
-        moved = values - mean
+        velocity_gains = np.array([np.trapezoid(channel, times) for channel in values])
+        mean = velocity_gains[:, np.newaxis] / times[-1]
+        without_mean = values - mean
     else:
         mean = (values[:, -1:] - values[:, :1]) / times[-1]
-        moved = values - values[:, :1] - mean * times
-    left = dict(zip(signal.axes, mean[:, 0].tolist(), strict=True))
-    return signal._replace(times=times, values=moved), left
+        without_mean = values - values[:, :1] - mean * times
+    removed = dict(zip(signal.axes, mean[:, 0].tolist(), strict=True))
+    return signal._replace(times=times, values=without_mean), removed
 
 
 def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
-    own = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
+    # The place in the study and the column of each channel.
+    columns = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
     sensor = recording.sensor
-    if sensor is None and not own:
+    if sensor is None and not columns:
         problems.append(
             Problem(
                 "along",
@@ -397,12 +402,12 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
             )
         )
     if sensor is None:
-        return own
-    if own:
+        return columns
+    if columns:
         problems.append(
             Problem(
                 "sensor",
-                f"the drive names the columns of a sensor, and single ones ({own[0][0]})",
+                f"the drive names the columns of a sensor, and single ones ({columns[0][0]})",
                 "Give either sensor = three columns, or a column for each axis",
             )
         )
@@ -424,23 +429,26 @@ def _channel(
     # Values in SI, their smallest step, and how often the displacement is differentiated in them.
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
     name = name if sign > 0 else name[1:].strip()
-    values, headed = table.numbers(name, path)
-    headed = headed or _unit_at_end(name)
+    values, unit_in_heading = table.numbers(name, path)
+    unit_in_heading = unit_in_heading or _unit_at_end(name)
     problems = list(clipping_problems(path, name, values, table.lines))
-    factor, kind = 1.0, 2
+    factor, derivative = 1.0, 2
     with gathered(problems):
-        factor, kind = _factor_and_kind(path, name, headed, recording)
+        factor, derivative = _factor_and_derivative(path, name, unit_in_heading, recording)
     raise_any(problems)
     gaps = np.diff(np.unique(values))
     step = float(gaps.min()) if gaps.size else 0.0
-    return sign * factor * values, factor * step, kind
+    return sign * factor * values, factor * step, derivative
 
 
-def _factor_and_kind(path: str, name: str, headed: str, recording: Recording) -> tuple[float, int]:
+def _factor_and_derivative(
+    path: str, name: str, unit_in_heading: str, recording: Recording
+) -> tuple[float, int]:
+    # The factor to SI units, and how often the displacement is differentiated (2: acceleration).
     key = "unit" if recording.unit else path
-    unit, factor = recording.unit or headed, 1.0
+    unit, factor = recording.unit or unit_in_heading, 1.0
     if unit == FULL_SCALE:
-        factor, unit = _amount(recording.scale, name)
+        factor, unit = _full_scale(recording.scale, name)
         key = "scale"
     if recording.sensitivity is not None:
         return _by_sensitivity(recording.sensitivity, unit, factor)
@@ -476,7 +484,7 @@ def _volts(unit: str) -> float | None:
         return None
 
 
-def _amount(text: str | None, name: str) -> tuple[float, str]:
+def _full_scale(text: str | None, name: str) -> tuple[float, str]:
     match = _AMOUNT.fullmatch((text or "").strip())
     if match is None:
         raise refused(
@@ -489,18 +497,18 @@ def _amount(text: str | None, name: str) -> tuple[float, str]:
 
 def _by_sensitivity(text: str, unit: str, factor: float) -> tuple[float, int]:
     # "100 mV/g" is signal over quantity, "5 mm/s/V" quantity over signal.
-    found = _SENSITIVITY.fullmatch(text.strip())
-    number, own, measured_in = found.groups() if found else ("1", "", "")
+    match = _SENSITIVITY.fullmatch(text.strip())
+    number, output_unit, quantity_unit = match.groups() if match else ("1", "", "")
     for kind, quantity in _KINDS.items():
         try:
-            measured = float(unit_factor("sensitivity", quantity, measured_in))
+            quantity_factor = float(unit_factor("sensitivity", quantity, quantity_unit))
         except UnitError:
             continue
-        if own.casefold() in _COUNTS and unit.casefold() in _COUNTS:
-            return factor * measured / float(number), kind
-        volts, of_column = _volts(own), _volts(unit or "V")
-        if volts is not None and of_column is not None:
-            return factor * of_column / volts * measured / float(number), kind
+        if output_unit.casefold() in _COUNTS and unit.casefold() in _COUNTS:
+            return factor * quantity_factor / float(number), kind
+        volts_per_unit, volts_of_column = _volts(output_unit), _volts(unit or "V")
+        if volts_per_unit is not None and volts_of_column is not None:
+            return factor * volts_of_column / volts_per_unit * quantity_factor / float(number), kind
     raise refused(
         "sensitivity",
         f"'{text[:40]}' is not a sensitivity for channels in {unit or 'counts'}",

@@ -93,88 +93,91 @@ def moving_mass(empty: RingDown, loaded: RingDown, added_mass: float | str) -> t
     m = m_a/((f_0/f_1)^2 - 1), f_0 empty, f_1 with the added mass. Raises `StudyError` if the added
     mass does not lower the frequency by more than five of its errors.
     """
-    first, second = empty.natural_frequency, loaded.natural_frequency
+    frequency_empty, frequency_loaded = empty.natural_frequency, loaded.natural_frequency
     error = float(np.hypot(empty.natural_frequency_error, loaded.natural_frequency_error))
-    if first - second < 5.0 * error or second >= first:
+    if frequency_empty - frequency_loaded < 5.0 * error or frequency_loaded >= frequency_empty:
         raise refused(
             "added_mass",
-            f"with the added mass the feeder rings at {second:.5g} Hz, without it at "
-            f"{first:.5g} Hz",
+            f"with the added mass the feeder rings at {frequency_loaded:.5g} Hz, without it at "
+            f"{frequency_empty:.5g} Hz",
             "Give the recording without the mass first, or add more",
         )
     try:
-        added = read_number("added_mass", QUANTITIES["moving_mass"], added_mass)
+        added_kilograms = read_number("added_mass", QUANTITIES["moving_mass"], added_mass)
     except UnitError as error:
         raise StudyError([problem("added_mass", error)]) from None
-    ratio = (first / second) ** 2
-    mass = added / (ratio - 1.0)
+    ratio = (frequency_empty / frequency_loaded) ** 2
+    mass = added_kilograms / (ratio - 1.0)
     relative = np.hypot(
-        empty.natural_frequency_error / first, loaded.natural_frequency_error / second
+        empty.natural_frequency_error / frequency_empty,
+        loaded.natural_frequency_error / frequency_loaded,
     )
     return mass, float(mass * 2.0 * ratio / (ratio - 1.0) * relative)
 
 
 def _fit(signal: Signal) -> RingDown:
     values = signal.values - np.median(signal.values, axis=1, keepdims=True)
-    # The knock itself is no free vibration.
-    first = int((values**2).sum(axis=0).argmax())
-    times, values = signal.times[first:], signal.values[:, first:]
+    # The free vibration begins after the largest sample, which is the knock.
+    knock = int((values**2).sum(axis=0).argmax())
+    times, values = signal.times[knock:], signal.values[:, knock:]
     if times.size < LEAST_SAMPLES:
         raise refused(
             "recording",
             f"{times.size} samples follow the knock, which is too few",
             f"Record at least {LEAST_SAMPLES} samples after the knock",
         )
-    frequency = _peak(times, values)[0]
-    begin = int(np.searchsorted(times, times[0] + KNOCK / frequency))
-    times, values = times[begin : begin + LONGEST], values[:, begin : begin + LONGEST]
-    poles, residual = _modes(times, values)
-    sizes = _sizes(times, values, poles)
-    main = int(sizes.argmax())
-    stop = int(np.searchsorted(times, times[0] + DECAYED / max(-poles[main].real, 1e-9)))
-    left = float(
-        np.sqrt(np.mean(residual[:, :stop] ** 2) / np.mean(_centred(values)[:, :stop] ** 2))
+    frequency = _strongest_line(times, values)[0]
+    start = int(np.searchsorted(times, times[0] + KNOCK / frequency))
+    times, values = times[start : start + LONGEST], values[:, start : start + LONGEST]
+    poles, residual = _fitted_poles(times, values)
+    strongest = int(_mode_sizes(times, values, poles).argmax())
+    decayed = int(np.searchsorted(times, times[0] + DECAYED / max(-poles[strongest].real, 1e-9)))
+    left_over = float(
+        np.sqrt(np.mean(residual[:, :decayed] ** 2) / np.mean(_centred(values)[:, :decayed] ** 2))
     )
-    pole = poles[main]
+    pole = poles[strongest]
     natural, ratio = abs(pole) / (2.0 * np.pi), -pole.real / abs(pole)
-    _check(times, natural, float(ratio), left)
-    covariance = _covariance(times, values, poles, residual)[2 * main : 2 * main + 2][
-        :, 2 * main : 2 * main + 2
+    _check_decay(times, natural, float(ratio), left_over)
+    covariance = _covariance(times, values, poles, residual)[2 * strongest : 2 * strongest + 2][
+        :, 2 * strongest : 2 * strongest + 2
     ]
-    # By the real and the imaginary part of the pole.
-    of_natural = np.array([pole.real, pole.imag]) / (2.0 * np.pi * abs(pole))
-    of_ratio = np.array([-(pole.imag**2), pole.real * pole.imag]) / abs(pole) ** 3
+    # f = |s|/(2 pi) and zeta = -Re(s)/|s| of a pole s, differentiated by Re(s) and Im(s).
+    natural_gradient = np.array([pole.real, pole.imag]) / (2.0 * np.pi * abs(pole))
+    ratio_gradient = np.array([-(pole.imag**2), pole.real * pole.imag]) / abs(pole) ** 3
     return RingDown(
         natural_frequency=float(natural),
-        natural_frequency_error=float(np.sqrt(of_natural @ covariance @ of_natural)),
+        natural_frequency_error=float(np.sqrt(natural_gradient @ covariance @ natural_gradient)),
         damping_ratio=float(ratio),
-        damping_ratio_error=float(np.sqrt(of_ratio @ covariance @ of_ratio)),
+        damping_ratio_error=float(np.sqrt(ratio_gradient @ covariance @ ratio_gradient)),
         other_frequencies=tuple(
-            float(abs(one) / (2.0 * np.pi)) for k, one in enumerate(poles) if k != main
+            float(abs(other_pole) / (2.0 * np.pi))
+            for number, other_pole in enumerate(poles)
+            if number != strongest
         ),
         start=float(times[0] - signal.times[0]),
         samples=times.size,
-        left_over=left,
+        left_over=left_over,
     )
 
 
-def _modes(times: Array, values: Array) -> tuple[NDArray[np.complex128], Array]:
-    frequency, strongest = _peak(times, values)
-    poles = _start(times, values, frequency)
-    # What is left over shows further modes, if it has lines that noise does not have.
+def _fitted_poles(times: Array, values: Array) -> tuple[NDArray[np.complex128], Array]:
+    # The poles of the modes, one by one from the strongest, and the residual of the fit.
+    frequency, strongest = _strongest_line(times, values)
+    poles = _best_start(times, values, frequency)
+    # Further modes show as lines of the residual that noise would not have.
     for _ in range(MAX_MODES):
-        poles, residual = _least(times, values, poles)
-        more, power = _peak(times, residual)
-        # Of noise, a power is above its mean by more than this once in a thousand spectra.
+        poles, residual = _refined_poles(times, values, poles)
+        next_frequency, power = _strongest_line(times, residual)
+        # The power that a line of noise exceeds once in a thousand spectra.
         noise = (residual**2).sum() * (np.log(times.size) + FAR)
         is_weak = power < max(STANDS_OUT**2 * strongest, noise)
         if is_weak or len(poles) == MAX_MODES:
             break
-        poles = np.concatenate([poles, _start(times, residual, more)])
-    return _least(times, values, poles)  # with the weights of the residual
+        poles = np.concatenate([poles, _best_start(times, residual, next_frequency)])
+    return _refined_poles(times, values, poles)  # with the weights of the residual
 
 
-def _check(times: Array, natural: float, ratio: float, left: float) -> None:
+def _check_decay(times: Array, natural: float, ratio: float, left_over: float) -> None:
     periods = natural * float(np.ptp(times))
     if periods < LEAST_PERIODS:
         raise refused(
@@ -182,11 +185,11 @@ def _check(times: Array, natural: float, ratio: float, left: float) -> None:
             f"the ring-down has {periods:.2g} periods of {natural:.4g} Hz",
             f"Record {LEAST_PERIODS:g} periods at least after the knock",
         )
-    if left > MAX_LEFT or ratio <= 0.0:
+    if left_over > MAX_LEFT or ratio <= 0.0:
         raise refused(
             "recording",
-            f"the recording does not decay as a struck feeder does: {100 * left:.0f} % of it is "
-            f"not explained by a free vibration of {natural:.4g} Hz",
+            f"the recording does not decay as a struck feeder does: {100 * left_over:.0f} % of it "
+            f"is not explained by a free vibration of {natural:.4g} Hz",
             "Record a single knock on the feeder with the drive off, or cut out one",
         )
 
@@ -195,16 +198,16 @@ def _centred(values: Array) -> Array:
     return values - values.mean(axis=1, keepdims=True)
 
 
-def _peak(times: Array, values: Array) -> tuple[float, float]:
-    # Frequency and power of the strongest line of a decaying signal, whose window is its decay.
-    even = np.linspace(times[0], times[-1], times.size)
-    resampled = np.array([np.interp(even, times, one) for one in _centred(values)])
-    step = float(even[1] - even[0])
+def _strongest_line(times: Array, values: Array) -> tuple[float, float]:
+    # Frequency and power of the strongest line; a decaying signal needs no window.
+    even_times = np.linspace(times[0], times[-1], times.size)
+    resampled = np.array([np.interp(even_times, times, channel) for channel in _centred(values)])
+    step = float(even_times[1] - even_times[0])
     power = (np.abs(np.fft.rfft(resampled, 4 * times.size)) ** 2).sum(axis=0)
     frequencies = np.fft.rfftfreq(4 * times.size, step)
     power[frequencies < 2.0 / np.ptp(times)] = 0.0
-    place = int(power.argmax())
-    return float(frequencies[place]), float(power[place])
+    strongest = int(power.argmax())
+    return float(frequencies[strongest]), float(power[strongest])
 
 
 def _columns(times: Array, poles: NDArray[np.complex128]) -> Array:
@@ -213,39 +216,42 @@ def _columns(times: Array, poles: NDArray[np.complex128]) -> Array:
     return np.hstack([np.ones((times.size, 1)), parts])
 
 
-def _left(times: Array, values: Array, poles: NDArray[np.complex128]) -> Array:
+def _residual(times: Array, values: Array, poles: NDArray[np.complex128]) -> Array:
     basis = np.linalg.qr(_columns(times, poles))[0]
     return np.asarray(values - (values @ basis) @ basis.T)
 
 
-def _sizes(times: Array, values: Array, poles: NDArray[np.complex128]) -> Array:
-    found = np.linalg.lstsq(_columns(times, poles), values.T, rcond=None)[0][1:]
+def _mode_sizes(times: Array, values: Array, poles: NDArray[np.complex128]) -> Array:
+    coefficients = np.linalg.lstsq(_columns(times, poles), values.T, rcond=None)[0][1:]
     # The energy of a decaying wave: its square over the rate of its decay.
-    return np.sqrt((found.reshape(len(poles), -1) ** 2).sum(axis=1) / -poles.real)
+    return np.sqrt((coefficients.reshape(len(poles), -1) ** 2).sum(axis=1) / -poles.real)
 
 
-def _start(times: Array, values: Array, frequency: float) -> NDArray[np.complex128]:
-    turn = 2.0 * np.pi * frequency
-    tried = [np.array([turn * complex(-ratio, 1.0)]) for ratio in DAMPING_RATIOS]
-    return min(tried, key=lambda poles: float((_left(times, values, poles) ** 2).sum()))
+def _best_start(times: Array, values: Array, frequency: float) -> NDArray[np.complex128]:
+    angular_frequency = 2.0 * np.pi * frequency
+    candidates = [np.array([angular_frequency * complex(-ratio, 1.0)]) for ratio in DAMPING_RATIOS]
+    return min(candidates, key=lambda poles: float((_residual(times, values, poles) ** 2).sum()))
 
 
-def _least(
+def _refined_poles(
     times: Array, values: Array, poles: NDArray[np.complex128]
 ) -> tuple[NDArray[np.complex128], Array]:
-    noise = np.sqrt(np.mean(_left(times, values, poles) ** 2, axis=1, keepdims=True))
-    roots = np.median(noise) / np.maximum(noise, np.finfo(float).tiny)
-    turns = np.abs(poles)
+    # Least squares over damping ratios and frequencies; channels are weighted by their noise.
+    noise = np.sqrt(np.mean(_residual(times, values, poles) ** 2, axis=1, keepdims=True))
+    root_weights = np.median(noise) / np.maximum(noise, np.finfo(float).tiny)
+    frequencies = np.abs(poles)
 
-    def residual(parts: Array) -> Array:
-        return np.asarray(roots * _left(times, values, _poles(parts, turns))).ravel()
+    def residual(parameters: Array) -> Array:
+        return np.asarray(
+            root_weights * _residual(times, values, _poles(parameters, frequencies))
+        ).ravel()
 
-    ratios = np.clip(-poles.real / turns, 2.0 * LEAST_DAMPING, 0.5 * MOST_DAMPING)
+    ratios = np.clip(-poles.real / frequencies, 2.0 * LEAST_DAMPING, 0.5 * MOST_DAMPING)
     start = np.stack([ratios, np.ones(len(poles))], axis=1).ravel()
-    ends = [LEAST_DAMPING, 1.0 - APART] * len(poles), [MOST_DAMPING, 1.0 + APART] * len(poles)
-    found = least_squares(residual, start, bounds=ends, x_scale="jac", xtol=1e-10, ftol=1e-10)
-    poles = _poles(found.x, turns)
-    return poles, _left(times, values, poles)
+    bounds = [LEAST_DAMPING, 1.0 - APART] * len(poles), [MOST_DAMPING, 1.0 + APART] * len(poles)
+    optimum = least_squares(residual, start, bounds=bounds, x_scale="jac", xtol=1e-10, ftol=1e-10)
+    poles = _poles(optimum.x, frequencies)
+    return poles, _residual(times, values, poles)
 
 
 def _poles(parts: Array, turns: Array) -> NDArray[np.complex128]:
@@ -256,27 +262,28 @@ def _poles(parts: Array, turns: Array) -> NDArray[np.complex128]:
 def _covariance(
     times: Array, values: Array, poles: NDArray[np.complex128], residual: Array
 ) -> Array:
-    # Of real and imaginary part of each pole: (sum_j J_j' J_j/S_j)^-1, J without what amplitudes
-    # can imitate, S_j the spectral density of the residual of channel j near the strongest mode.
+    # Of real and imaginary part of each pole: (sum_j J_j' J_j/S_j)^-1, J_j the derivatives of the
+    # model without what its amplitudes can imitate, S_j the spectral density of the residual of
+    # channel j near the strongest mode.
     columns = _columns(times, poles)
     basis = np.linalg.qr(columns)[0]
     coefficients = np.linalg.lstsq(columns, values.T, rcond=None)[0][1:]
-    after = (times - times[0])[:, None]
-    main = int(_sizes(times, values, poles).argmax())
+    elapsed = (times - times[0])[:, None]
+    strongest = int(_mode_sizes(times, values, poles).argmax())
     duration = float(np.ptp(times)) * times.size / (times.size - 1)
     spectrum = np.fft.rfft(residual) / np.sqrt(times.size)
-    place = np.abs(poles.imag) / (2.0 * np.pi) * duration
-    density = np.diag(density_near(spectrum, float(place[main]), place, 0))
+    line_bins = np.abs(poles.imag) / (2.0 * np.pi) * duration
+    density = np.diag(density_near(spectrum, float(line_bins[strongest]), line_bins, 0))
     noise = np.maximum(density, np.mean(residual**2, axis=1))
-    total = np.zeros((2 * len(poles),) * 2)
+    information = np.zeros((2 * len(poles),) * 2)
     for channel, variance in zip(coefficients.T, noise, strict=True):
         pairs = channel.reshape(-1, 2)
         waves = columns[:, 1:].reshape(times.size, -1, 2)
         # d/ds of a Re(e) + b Im(e), e = exp((s + i w) t), is t times it; d/dw turns it.
-        by_real = after * (waves * pairs).sum(axis=2)
-        by_imaginary = after * (waves[..., 0] * pairs[:, 1] - waves[..., 1] * pairs[:, 0])
-        slopes = np.stack([by_real, by_imaginary], axis=2).reshape(times.size, -1)
+        real_slope = elapsed * (waves * pairs).sum(axis=2)
+        imaginary_slope = elapsed * (waves[..., 0] * pairs[:, 1] - waves[..., 1] * pairs[:, 0])
+        slopes = np.stack([real_slope, imaginary_slope], axis=2).reshape(times.size, -1)
         slopes -= basis @ (basis.T @ slopes)
-        total += slopes.T @ slopes / max(float(variance), float(np.finfo(float).tiny))
-    scale = 1.0 / np.sqrt(np.diag(total))
-    return np.asarray(np.linalg.inv(total * np.outer(scale, scale)) * np.outer(scale, scale))
+        information += slopes.T @ slopes / max(float(variance), float(np.finfo(float).tiny))
+    scale = 1.0 / np.sqrt(np.diag(information))
+    return np.asarray(np.linalg.inv(information * np.outer(scale, scale)) * np.outer(scale, scale))

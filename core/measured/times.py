@@ -89,7 +89,7 @@ def read_times(table: InputTable, rate: float | str | None, time: str | None) ->
             return Times(np.arange(count) / read_number("rate", RATE, rate))
         except UnitError as error:
             raise StudyError([problem("rate", error)]) from None
-    name = time or _column_of_times(table)
+    name = time or _name_of_time_column(table)
     is_empty = name is not None and name in table.columns and table.is_faulty(name)
     if table.step > 0.0 and time is None and (name is None or is_empty):
         return Times(np.arange(count, dtype=np.float64) * table.step)
@@ -121,18 +121,19 @@ def read_times(table: InputTable, rate: float | str | None, time: str | None) ->
             f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
             "Sort the rows by their times" if is_unsorted else fix,
         )
-    even = _even_if_rounded(times)
-    if steps.size and even is times and _lost(steps) > MOST_LOST:
+    evened = _even_if_rounded(times)
+    if steps.size and evened is times and _lost_fraction(steps) > MOST_LOST:
         return _longest_piece(times, assumed, name, lines)
-    return Times(even, assumed=assumed)
+    return Times(evened, assumed=assumed)
 
 
 def _seconds_of(table: InputTable, name: str) -> tuple[NDArray[np.float64], str]:
-    values, headed = table.numbers(name, "time")
-    unit = headed or stem_and_unit(name)[1]
+    # Seconds from the first sample, and the name of the column if its unit had to be assumed.
+    values, unit_in_heading = table.numbers(name, "time")
+    unit = unit_in_heading or stem_and_unit(name)[1]
     steps = np.diff(values)
-    usual = float(np.median(steps)) if steps.size else 0.0
-    if not unit and DAYS[0] < values.min() and values.max() < DAYS[1] and 0.0 < usual < SHORT:
+    usual_step = float(np.median(steps)) if steps.size else 0.0
+    if not unit and DAYS[0] < values.min() and values.max() < DAYS[1] and 0.0 < usual_step < SHORT:
         return 86_400.0 * (values - values[0]), name
     factor = _factor(unit)
     if factor is None:
@@ -141,10 +142,10 @@ def _seconds_of(table: InputTable, name: str) -> tuple[NDArray[np.float64], str]
             f"the recording's time column has the unit '{unit[:40]}', which is not a unit of time",
             "Write s, ms, us or min in the header, or give the rate (rate) and leave time out",
         )
-    again = steps < 0
-    for period in PERIODS if again.any() else ():
-        if np.all(np.abs(steps[again] + period - usual) <= UNEVEN * usual):
-            values = values + period * np.concatenate([[0], np.cumsum(again)])
+    starts_anew = steps < 0
+    for period in PERIODS if starts_anew.any() else ():
+        if np.all(np.abs(steps[starts_anew] + period - usual_step) <= UNEVEN * usual_step):
+            values = values + period * np.concatenate([[0], np.cumsum(starts_anew)])
             break
     return factor * (values - values[0]), "" if unit else name
 
@@ -155,11 +156,11 @@ def _longest_piece(
     steps = np.diff(times)
     usual = float(np.median(steps))
     gaps = np.flatnonzero(steps > (1.0 + UNEVEN) * usual)
-    ends = np.concatenate([[0], gaps + 1, [times.size]])
-    longest = int(np.diff(ends).argmax())
-    kept = slice(int(ends[longest]), int(ends[longest + 1]))
-    used = kept.stop - kept.start
-    if used < LEAST_SAMPLES:
+    piece_ends = np.concatenate([[0], gaps + 1, [times.size]])
+    longest = int(np.diff(piece_ends).argmax())
+    piece = slice(int(piece_ends[longest]), int(piece_ends[longest + 1]))
+    size = piece.stop - piece.start
+    if size < LEAST_SAMPLES:
         raise refused(
             "time",
             f"the times in the recording's column '{name}' are not evenly spaced: steps are "
@@ -170,20 +171,20 @@ def _longest_piece(
         )
     note = (
         f"the recording has {gaps.size} gap{'s' * (gaps.size > 1)}: the fit uses the longest "
-        f"piece without one, {used:,} of {times.size:,} samples"
+        f"piece without one, {size:,} of {times.size:,} samples"
     )
-    return Times(_even_if_rounded(times[kept] - times[kept.start]), kept, assumed, note)
+    return Times(_even_if_rounded(times[piece] - times[piece.start]), piece, assumed, note)
 
 
-def _column_of_times(table: InputTable) -> str | None:
+def _name_of_time_column(table: InputTable) -> str | None:
     columns = table.columns.items()
-    usual = [
+    usually_named = [
         name
         for name in table.columns
         if (found := stem_and_unit(name))[0] in USUAL_NAMES and _factor(found[1]) is not None
     ]
-    timed = [name for name, column in columns if column.unit and _factor(column.unit)]
-    return next(iter(usual), timed[0] if len(timed) == 1 else None)
+    with_unit_of_time = [name for name, column in columns if column.unit and _factor(column.unit)]
+    return next(iter(usually_named), with_unit_of_time[0] if len(with_unit_of_time) == 1 else None)
 
 
 def _factor(unit: str) -> float | None:
@@ -193,21 +194,21 @@ def _factor(unit: str) -> float | None:
         return None
 
 
-def _lost(steps: NDArray[np.float64]) -> float:
-    away = np.abs(steps / np.median(steps) - 1.0)
-    return float(away[away > UNEVEN].sum()) / steps.size
+def _lost_fraction(steps: NDArray[np.float64]) -> float:
+    deviations = np.abs(steps / np.median(steps) - 1.0)
+    return float(deviations[deviations > UNEVEN].sum()) / steps.size
 
 
 def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    place = np.arange(times.size, dtype=np.float64)
-    slope, start = np.polyfit(place, times, 1) if times.size > 1 else (0.0, 0.0)
-    even = start + slope * place
+    index = np.arange(times.size, dtype=np.float64)
+    slope, start = np.polyfit(index, times, 1) if times.size > 1 else (0.0, 0.0)
+    even_times = start + slope * index
     steps = np.unique(np.diff(times))
-    noise = 1e-9 * times[-1]  # of differences of numbers in floating point
-    distinct = steps[np.flatnonzero(np.diff(steps, prepend=-np.inf) > noise)]
+    rounding = 1e-9 * times[-1]  # of differences of numbers in floating point
+    distinct = steps[np.flatnonzero(np.diff(steps, prepend=-np.inf) > rounding)]
     if steps.size and steps[-1] > (1.0 + UNEVEN) * np.median(np.diff(times)):
-        has_one_or_two_units = distinct.size == 2 and distinct[1] <= 2.0 * distinct[0] + noise
-        if _lost(np.diff(times)) <= MOST_LOST or not has_one_or_two_units:
+        has_one_or_two_units = distinct.size == 2 and distinct[1] <= 2.0 * distinct[0] + rounding
+        if _lost_fraction(np.diff(times)) <= MOST_LOST or not has_one_or_two_units:
             return times  # some samples are lost
-    unit = float(np.diff(distinct).min()) if distinct.size > 1 else noise
-    return even if np.abs(times - even).max() <= ROUNDED * unit else times
+    timer_unit = float(np.diff(distinct).min()) if distinct.size > 1 else rounding
+    return even_times if np.abs(times - even_times).max() <= ROUNDED * timer_unit else times

@@ -49,9 +49,9 @@ def check_before(signal: Signal) -> None:
     the study gives too low or too high for the recording.
     """
     count = signal.times.size
-    valued, timed = np.isfinite(signal.values).all(), np.isfinite(signal.times).all()
+    values_finite, times_finite = np.isfinite(signal.values).all(), np.isfinite(signal.times).all()
     problems = []
-    if not (valued and timed):
+    if not (values_finite and times_finite):
         message = "the recording holds values that are not finite numbers"
         problems.append(Problem("recording", message, "Remove these values from the recording"))
     if count < LEAST_SAMPLES:
@@ -71,14 +71,14 @@ def check_before(signal: Signal) -> None:
     size = float(ranges.max())
     problems += [
         Problem("recording", message, fix)
-        for wrong, message, fix in (
+        for is_wrong, message, fix in (
             (
-                timed and not STEPS[0] <= step <= STEPS[1],
+                times_finite and not STEPS[0] <= step <= STEPS[1],
                 f"the recording has a sample every {step:.3g} s, which no recorder does",
                 "Give rate = the samples per second, or the unit of the column of times",
             ),
             (
-                valued and size and not ACCELERATIONS[0] <= size <= ACCELERATIONS[1],
+                values_finite and size and not ACCELERATIONS[0] <= size <= ACCELERATIONS[1],
                 f"the values of the recording range over {size:.3g} {_UNITS[signal.derivative]}, "
                 "which no feeder does",
                 "Give the unit of the columns, or record again",
@@ -89,21 +89,21 @@ def check_before(signal: Signal) -> None:
                 "Check that the sensor was connected",
             ),
         )
-        if wrong
+        if is_wrong
     ]
     duration = float(np.ptp(signal.times)) * count / (count - 1)
     lowest, highest = LEAST_PERIODS / duration, NYQUIST_SHARE * count / duration
     for key in ("frequency", "line_frequency"):
-        asked = getattr(signal, key)
-        if asked is not None and asked < lowest:
-            problems.append(_too_short(key, asked, duration))
-        elif asked is not None and asked > highest:
+        frequency = getattr(signal, key)
+        if frequency is not None and frequency < lowest:
+            problems.append(_too_short(key, frequency, duration))
+        elif frequency is not None and frequency > highest:
             problems.append(
                 Problem(
                     key,
                     f"the recording has {count / duration:,.4g} samples per second, which "
-                    f"cannot resolve {asked:g} Hz",
-                    f"Record at least {asked / NYQUIST_SHARE:,.4g} samples per second"
+                    f"cannot resolve {frequency:g} Hz",
+                    f"Record at least {frequency / NYQUIST_SHARE:,.4g} samples per second"
                     + (f", or write the unit in the heading, as in '{signal.assumed} [ms]'")
                     * bool(signal.assumed),
                 )
@@ -117,40 +117,42 @@ def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
     `signal` says how many harmonics the study asks for, `samples` are the recording, `frequency` is
     the fundamental [Hz].
     """
-    able = orders_below(samples, frequency)
-    wanted = signal.harmonics or 1
-    if len(able) < wanted:
+    resolvable = orders_below(samples, frequency)
+    requested = signal.harmonics or 1
+    if len(resolvable) < requested:
         raise refused(
             "harmonics",
-            f"order {wanted} of {frequency:.4g} Hz needs "
-            f"{wanted * frequency / NYQUIST_SHARE:,.0f} samples a second, the recording has "
+            f"order {requested} of {frequency:.4g} Hz needs "
+            f"{requested * frequency / NYQUIST_SHARE:,.0f} samples a second, the recording has "
             f"{samples.size / samples.duration:,.0f}",
-            f"Ask for {len(able)} at most, or record faster" if able else "Record faster",
+            f"Ask for {len(resolvable)} at most, or record faster"
+            if resolvable
+            else "Record faster",
         )
     if frequency * samples.duration < LEAST_PERIODS:
         raise StudyError([_too_short("recording", frequency, samples.duration)])
 
 
 def check_fit(
-    signal: Signal, samples: Samples, solution: Solution, noise: Noise, stated: bool
+    signal: Signal, samples: Samples, solution: Solution, noise: Noise, is_significant: bool
 ) -> None:
     """Raise `StudyError` if the fit of a recording does not determine a drive.
 
-    That is if no order is significant (`stated`), the residual is too large, the drive changes from
+    That is unless `is_significant`, or if the residual is too large, the drive changes from
     the first third to the last, the recorder's clock is too far off the line frequency, the unit of
     times had to be guessed and cannot be seconds, or the constants contradict gravity.
     """
     problems = []
     periodic = np.sqrt((np.abs(solution.waves) ** 2).sum() / 2.0)
-    left = np.sqrt(np.mean(solution.residual**2, axis=1).sum())
-    if not stated or left > MAX_LEFT * periodic:
-        problems.append(_not_periodic(samples, solution, left, periodic))
-    if stated:  # a drive that grows leaves much over as well
-        problems += _unsteady(signal, samples, solution, noise, periodic)
+    residual_rms = np.sqrt(np.mean(solution.residual**2, axis=1).sum())
+    if not is_significant or residual_rms > MAX_LEFT * periodic:
+        problems.append(_problem_of_periodicity(samples, solution, residual_rms, periodic))
+    if is_significant:  # an unsteady drive has a large residual, too
+        problems += _steadiness_problems(signal, samples, solution, noise, periodic)
     if not problems:
-        problems += _not_seconds(signal, solution.frequency)
+        problems += _time_unit_problems(signal, solution.frequency)
     if not problems:
-        problems += _off(signal.line_frequency, solution.frequency)
+        problems += _clock_problems(signal.line_frequency, solution.frequency)
     if not problems and signal.derivative == 2:
         problems += gravity_problems(
             signal.axes, solution.drift[:, 0], float(periodic), signal.slopes
@@ -167,11 +169,13 @@ def _too_short(key: str, frequency: float, duration: float) -> Problem:
     )
 
 
-def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: float) -> Problem:
+def _problem_of_periodicity(
+    samples: Samples, solution: Solution, residual_rms: float, periodic: float
+) -> Problem:
     line = strongest_line(samples._replace(values=solution.residual))
     if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
         return _too_short("recording", line.frequency, samples.duration)
-    share = f"{100 * left / periodic:.0f} % of" if left < periodic else "more than"
+    share = f"{100 * residual_rms / periodic:.0f} % of" if residual_rms < periodic else "more than"
     strongest = f", most at {line.frequency:.4g} Hz" if stands_out(line, samples.size) else ""
     return Problem(
         "recording",
@@ -183,13 +187,15 @@ def _not_periodic(samples: Samples, solution: Solution, left: float, periodic: f
     )
 
 
-def _unsteady(
+def _steadiness_problems(
     signal: Signal, samples: Samples, solution: Solution, noise: Noise, periodic: float
 ) -> list[Problem]:
     third = samples.size // 3
-    first, spread = _of_part(samples, slice(third), solution, noise)
-    last, other_spread = _of_part(samples, slice(-third, None), solution, noise)
-    allowed = np.maximum(MAX_CHANGE * periodic, CHANGE_ERRORS * np.sqrt(spread + other_spread))
+    first, first_variance = _rms_of_part(samples, slice(third), solution, noise)
+    last, last_variance = _rms_of_part(samples, slice(-third, None), solution, noise)
+    allowed_change = np.maximum(
+        MAX_CHANGE * periodic, CHANGE_ERRORS * np.sqrt(first_variance + last_variance)
+    )
     return [
         Problem(
             "recording",
@@ -197,12 +203,14 @@ def _unsteady(
             f"{_UNITS[signal.derivative]} in the first third, {after:.4g} in the last",
             "Record when it has settled, or cut out a piece in which it is steady",
         )
-        for axis, before, after, most in zip(signal.axes, first, last, allowed, strict=True)
-        if abs(after - before) > most
+        for axis, before, after, allowed in zip(
+            signal.axes, first, last, allowed_change, strict=True
+        )
+        if abs(after - before) > allowed
     ]
 
 
-def _of_part(
+def _rms_of_part(
     samples: Samples, part: slice, solution: Solution, noise: Noise
 ) -> tuple[Array, Array]:
     # The rms of the harmonics in a part of the samples, and its variance, for each axis.
@@ -215,11 +223,11 @@ def _of_part(
     rms = np.sqrt(squares.sum(axis=1) / 2.0)
     # rms^2 = sum(p^2 + q^2)/2, and p and q have the variance 2 S/n.
     density = np.einsum("kjj->jk", noise.densities[1:])
-    above = (squares * 2.0 * density / piece.size).sum(axis=1)
-    return rms, above / np.maximum(4.0 * rms**2, np.finfo(float).tiny)
+    variance_of_square = (squares * 2.0 * density / piece.size).sum(axis=1)
+    return rms, variance_of_square / np.maximum(4.0 * rms**2, np.finfo(float).tiny)
 
 
-def _not_seconds(signal: Signal, frequency: float) -> list[Problem]:
+def _time_unit_problems(signal: Signal, frequency: float) -> list[Problem]:
     usual = FREQUENCY.usual
     if not signal.assumed or usual is None or usual[0] <= frequency <= usual[1]:
         return []
@@ -237,14 +245,14 @@ def _not_seconds(signal: Signal, frequency: float) -> list[Problem]:
     ]
 
 
-def _off(line: float | None, frequency: float) -> list[Problem]:
-    if line is None or abs(frequency / line - 1.0) <= MAX_CLOCK:
+def _clock_problems(line_frequency: float | None, frequency: float) -> list[Problem]:
+    if line_frequency is None or abs(frequency / line_frequency - 1.0) <= MAX_CLOCK:
         return []
-    ratio = max(frequency / line, line / frequency)
+    ratio = max(frequency / line_frequency, line_frequency / frequency)
     return [
         Problem(
             "line_frequency",
-            f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz",
+            f"the recording repeats with {frequency:.4g} Hz, the line has {line_frequency:g} Hz",
             "Give the frequency of the drive as line_frequency, such as 100 Hz on mains of 50 Hz"
             if abs(ratio - round(ratio)) < TWICE
             else f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct the "
@@ -284,32 +292,33 @@ def gravity_problems(
     of all axes [m s-2]; `slopes` are the angles of the track that the study states [rad], by axis:
     along the climb, across the lean.
     """
-    shown = dict(zip(axes, (constant / STANDARD_GRAVITY).tolist(), strict=True))
-    stated = {axis: slopes.get(axis, (0.0, 0.0)) for axis in AXES[:2]}
+    in_g = dict(zip(axes, (constant / STANDARD_GRAVITY).tolist(), strict=True))
+    stated_slopes = {axis: slopes.get(axis, (0.0, 0.0)) for axis in AXES[:2]}
     limits = {
-        axis: (min(-STEEPEST, least - MARGIN), max(STEEPEST, most + MARGIN))
-        for axis, (least, most) in stated.items()
+        axis: (min(-STEEPEST, lower - MARGIN), max(STEEPEST, upper + MARGIN))
+        for axis, (lower, upper) in stated_slopes.items()
     }
-    for axis, means, fix in islice(_against_gravity(shown, rms, limits), 1):
-        others = ", ".join(f"{value:.2f} g {name}" for name, value in shown.items() if name != axis)
-        beside = f" (and {others})" if others else ""
-        size = f"the mean of the recording's {axis} channel is {shown[axis]:.3g} g{beside}"
-        yield Problem(axis, f"{size}: {means}", fix)
+    for axis, meaning, fix in islice(_gravity_faults(in_g, rms, limits), 1):
+        others = ", ".join(f"{value:.2f} g {name}" for name, value in in_g.items() if name != axis)
+        others_in_words = f" (and {others})" if others else ""
+        size = f"the mean of the recording's {axis} channel is {in_g[axis]:.3g} g{others_in_words}"
+        yield Problem(axis, f"{size}: {meaning}", fix)
 
 
-def _without_gravity(
-    shown: Mapping[str, float], rms: float, steepest: Mapping[str, float]
+def _faults_without_gravity(
+    in_g: Mapping[str, float], rms: float, steepest: Mapping[str, float]
 ) -> Iterator[tuple[str, str, str]]:
-    normal = shown.get("normal")
-    thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
-    if thousandth and rms < SMALL * STANDARD_GRAVITY:
+    # As `_gravity_faults`, for a recording that does not show gravity in the normal channel.
+    normal = in_g.get("normal")
+    is_thousandth = normal is not None and abs(abs(normal) / 0.001 - 1.0) <= SIZE
+    if is_thousandth and rms < SMALL * STANDARD_GRAVITY:
         yield (
             "normal",
             CONFUSED[0.001],
             "Correct the unit of the accelerations, and export without separators of thousands",
         )
-    for axis in filter(shown.__contains__, steepest):
-        if abs(shown[axis]) > SIZE + (np.sin(steepest[axis]) if normal is None else 0.0):
+    for axis in filter(in_g.__contains__, steepest):
+        if abs(in_g[axis]) > SIZE + (np.sin(steepest[axis]) if normal is None else 0.0):
             yield (
                 axis,
                 "a track at rest shows gravity in the normal channel",
@@ -317,35 +326,35 @@ def _without_gravity(
             )
 
 
-def _against_gravity(
-    shown: Mapping[str, float], rms: float, limits: Mapping[str, tuple[float, float]]
+def _gravity_faults(
+    in_g: Mapping[str, float], rms: float, limits: Mapping[str, tuple[float, float]]
 ) -> Iterator[tuple[str, str, str]]:
-    # Channel, what its constant means, and what to do; constants over gravity, angles [rad].
-    normal = shown.get("normal")
-    recorded = [axis for axis in limits if axis in shown]
+    # Yields channel, meaning of its constant `in_g`, and fix; `limits` are angles [rad].
+    normal = in_g.get("normal")
+    recorded = [axis for axis in limits if axis in in_g]
     steepest = {axis: min(max(map(abs, ends)), np.pi / 2.0) for axis, ends in limits.items()}
     if normal is None or abs(normal) < 0.5:
         for axis in recorded:
-            if abs(shown[axis]) >= 1.0 - SIZE:
+            if abs(in_g[axis]) >= 1.0 - SIZE:
                 yield (
                     axis,
                     "gravity belongs to the normal channel",
                     "Name as normal the column that shows +1 g, as along that of the transport",
                 )
     if normal is None or abs(normal) <= REMOVED:
-        yield from _without_gravity(shown, rms, steepest)
+        yield from _faults_without_gravity(in_g, rms, steepest)
         return
-    for factor, means in CONFUSED.items():
+    for factor, meaning in CONFUSED.items():
         if abs(abs(normal) / factor - 1.0) <= SIZE:
             yield (
                 "normal",
-                means,
+                meaning,
                 "Correct the unit of the accelerations: the key unit, or the headings",
             )
-    # What is not recorded may have a share of gravity.
-    shares = (float(np.cos(steepest[axis])) for axis in limits if axis not in shown)
-    lowest = math.prod(shares, start=1.0 - SIZE)
-    if not lowest <= float(np.linalg.norm(list(shown.values()))) <= 1.0 + SIZE:
+    # Axes that were not recorded may have a part of gravity.
+    cosines = (float(np.cos(steepest[axis])) for axis in limits if axis not in in_g)
+    least_size = math.prod(cosines, start=1.0 - SIZE)
+    if not least_size <= float(np.linalg.norm(list(in_g.values()))) <= 1.0 + SIZE:
         yield (
             "normal",
             "a sensor at rest shows 1 g, or 0 if it does not measure constant accelerations",
@@ -359,7 +368,7 @@ def _against_gravity(
             "give the mounting of a sensor that is upside down",
         )
     for axis in recorded:
-        angle = float(np.arctan2(shown[axis], normal))
+        angle = float(np.arctan2(in_g[axis], normal))
         if not limits[axis][0] <= angle <= limits[axis][1]:
             verb, parameter = ("climb", "gamma") if axis == "along" else ("lean", "delta")
             yield (

@@ -49,19 +49,26 @@ class Optimum(NamedTuple):
     status: Statuses
 
 
-def broadcast(*parts: ArrayLike) -> tuple[Array, ...]:
+def broadcast(*arguments: ArrayLike) -> tuple[Array, ...]:
     """Return the arguments as float64 arrays broadcast to one shape."""
-    return tuple(np.broadcast_arrays(*(np.asarray(part, dtype=np.float64) for part in parts)))
+    return tuple(
+        np.broadcast_arrays(*(np.asarray(argument, dtype=np.float64) for argument in arguments))
+    )
 
 
-def valid_inputs(within: Mask, drive: Array, *parts: Array) -> tuple[Mask, Mask, tuple[Array, ...]]:
+def valid_inputs(
+    within: Mask, drive: Array, *arguments: Array
+) -> tuple[Mask, Mask, tuple[Array, ...]]:
     """Return the valid cells, the driven cells, and the arguments with 0 in invalid cells.
 
     Valid is what is finite, and `within` its range; driven where the drive is above 0 there, too.
     The zeros spare warnings from NaN.
     """
-    valid = np.asarray(within & np.all([np.isfinite(part) for part in (drive, *parts)], axis=0))
-    return valid, valid & (drive > 0), tuple(np.where(valid, p, 0.0) for p in (drive, *parts))
+    valid = np.asarray(
+        within & np.all([np.isfinite(argument) for argument in (drive, *arguments)], axis=0)
+    )
+    cleared = tuple(np.where(valid, argument, 0.0) for argument in (drive, *arguments))
+    return valid, valid & (drive > 0), cleared
 
 
 def statuses(valid: Mask, infeasible: Mask, driven: Mask, gain: Array) -> Statuses:
@@ -82,8 +89,10 @@ def optimum(alpha: Array, beta: Array, along: Array, across: Array, status: Stat
 
     `along` and `across` are a_x and a_y there [m s-2].
     """
-    bad = (status == STATUS["infeasible"]) | (status == STATUS["invalid"])
-    alpha, beta, along, across = (np.where(bad, np.nan, p) for p in (alpha, beta, along, across))
+    without_optimum = (status == STATUS["infeasible"]) | (status == STATUS["invalid"])
+    alpha, beta, along, across = (
+        np.where(without_optimum, np.nan, values) for values in (alpha, beta, along, across)
+    )
     return Optimum(alpha, beta, along, across, status)
 
 
@@ -118,10 +127,14 @@ class Family:
         `values` has all inputs of the designs by name, arrays (cells,) in SI units; the formula
         takes those it needs.
         """
-        form = self.closed[type(criterion)]
-        parameters = inspect.signature(form).parameters.values()
-        needed = [p.name for p in parameters if p.default is inspect.Parameter.empty]
-        return form(**{name: values[name] for name in needed})
+        closed_form = self.closed[type(criterion)]
+        parameters = inspect.signature(closed_form).parameters.values()
+        needed = [
+            parameter.name
+            for parameter in parameters
+            if parameter.default is inspect.Parameter.empty
+        ]
+        return closed_form(**{name: values[name] for name in needed})
 
 
 Candidate = tuple[Array, Array, Array, Mask]
@@ -130,22 +143,24 @@ Candidate = tuple[Array, Array, Array, Mask]
 Accelerate = Callable[[tuple[Array, Array], Array, Array], tuple[Array, Array]]
 """Takes the drive in the plane less gravity, the floor's n0 and mu; returns a_x and a_y."""
 
-Turned = Callable[[Array, Array, Array, Array], Candidate]
+SidewaysDrive = Callable[[Array, Array, Array, Array], Candidate]
 """Takes k, g, mu and the static mu; returns the best drive from the side."""
 
 
-def _straight(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
+def _drives_along_track(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
     # Two drives along the track: the best one that slips, and the edge of stick.
     zero = np.zeros_like(k)
     lift_off = np.arcsin(np.minimum(g, 1.0))
     beta = np.minimum(np.arctan(mu), lift_off)
-    # At lift-off there is nothing to hold the part; g - sin(beta) is rounding there.
-    floor = np.where(beta < lift_off, g - np.sin(beta), 0.0)
-    slips = np.cos(beta) - k > mu_s * floor
-    share = (k + mu_s * g) / np.hypot(1.0, mu_s)
-    edge = np.arctan(mu_s) - np.arccos(np.clip(share, -1.0, 1.0))
-    starts = ~slips & (share < 1) & (edge >= 0) & (edge < lift_off) & (mu_s > mu)
-    return (zero, beta, zero, np.asarray(slips)), (zero, edge, zero + 1, np.asarray(starts))
+    # At lift-off the normal force is 0: g - sin(beta) would leave rounding.
+    normal_force = np.where(beta < lift_off, g - np.sin(beta), 0.0)
+    slips = np.cos(beta) - k > mu_s * normal_force
+    sine = (k + mu_s * g) / np.hypot(1.0, mu_s)
+    # The edge of stick: cos(beta) - k = mu_s (g - sin(beta)).
+    edge_beta = np.arctan(mu_s) - np.arccos(np.clip(sine, -1.0, 1.0))
+    edge_exists = ~slips & (sine < 1) & (edge_beta >= 0) & (edge_beta < lift_off) & (mu_s > mu)
+    slipping = zero, beta, zero, np.asarray(slips)
+    return slipping, (zero, edge_beta, zero + 1, np.asarray(edge_exists))
 
 
 def fastest_slide(
@@ -154,8 +169,8 @@ def fastest_slide(
     gravity_normal: ArrayLike,
     friction_kinetic: ArrayLike,
     friction_static: ArrayLike,
-    turned: Turned,
-    held: Turned,
+    best_sideways: SidewaysDrive,
+    stick_edge: SidewaysDrive,
     accelerate: Accelerate,
 ) -> Optimum:
     """Return the drive angles of the largest a_x on a plane: straight along x, or to the side.
@@ -170,30 +185,40 @@ def fastest_slide(
     within = (P >= 0) & (G >= 0) & (mu >= 0) & (mu_s >= mu)
     valid, driven, (P, c, G, mu, mu_s) = valid_inputs(within, P, c, G, mu, mu_s)
     scale = np.where(driven, P, 1.0)
-    k, g = c / scale, G / scale
-    candidates = (*_straight(k, g, mu, mu_s), turned(k, g, mu, mu_s), held(k, g, mu, mu_s))
+    k, g = c / scale, G / scale  # gravity along -x and onto the floor, over P
+    candidates = (
+        *_drives_along_track(k, g, mu, mu_s),
+        best_sideways(k, g, mu, mu_s),
+        stick_edge(k, g, mu, mu_s),
+    )
     zero = np.zeros_like(P)
     alpha, beta, at_edge, across = zero, zero, zero, zero
     along = np.full_like(P, -np.inf)
-    for a, b, holds, exists in candidates:
-        floor = np.maximum(G - P * np.sin(b), 0.0)
-        push = P * np.cos(b)
-        ax, ay = accelerate((push * np.cos(a) - c, push * np.sin(a)), floor, mu)
+    for candidate_alpha, candidate_beta, sticks, exists in candidates:
+        normal_force = np.maximum(G - P * np.sin(candidate_beta), 0.0)
+        in_plane = P * np.cos(candidate_beta)
+        ax, ay = accelerate(
+            (in_plane * np.cos(candidate_alpha) - c, in_plane * np.sin(candidate_alpha)),
+            normal_force,
+            mu,
+        )
         better = exists & driven & (ax > along)
         along, across = np.where(better, ax, along), np.where(better, ay, across)
-        alpha, beta = np.where(better, a, alpha), np.where(better, b, beta)
-        at_edge = np.where(better, holds, at_edge)
-    # Without drive the part rests, or slides down the slope.
-    slides = np.abs(c) > mu_s * G
-    idle = np.where(slides, -c + np.sign(c) * mu * G, 0.0)
+        alpha, beta = (
+            np.where(better, candidate_alpha, alpha),
+            np.where(better, candidate_beta, beta),
+        )
+        at_edge = np.where(better, sticks, at_edge)
+    # Without a drive the part rests, or slides down the slope.
+    undriven = np.where(np.abs(c) > mu_s * G, -c + np.sign(c) * mu * G, 0.0)
     status = statuses(valid, np.zeros_like(valid), driven, along)
     status = np.where((status == STATUS["optimal"]) & (at_edge > 0), STATUS["not_attained"], status)
     status = status.astype(np.int8)
-    still = status == STATUS["no_motion"]
+    no_motion = status == STATUS["no_motion"]
     flat = status == STATUS["flat"]
-    along, across = np.where(flat, idle, along), np.where(flat, 0.0, across)
+    along, across = np.where(flat, undriven, along), np.where(flat, 0.0, across)
     alpha, beta, along, across = (
-        np.where(still, np.nan, part) for part in (alpha, beta, along, across)
+        np.where(no_motion, np.nan, values) for values in (alpha, beta, along, across)
     )
     return optimum(alpha, beta, along, across, status)
 
@@ -234,15 +259,16 @@ def plane_physical_fastest(
         gravity_normal,
         friction_kinetic,
         friction_static,
-        _turned_block,
-        _held_block,
+        _sideways_block,
+        _stick_edge_block,
         _block_acceleration,
     )
 
 
-def _turned_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
-    # The best drive from the side, which turns friction away from the track (theory 12.2). The
-    # direction of friction, x = cos(psi), is found by Newton's method.
+def _sideways_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+    # The best drive from the side, which turns friction away from the track (theory 12.2). Newton's
+    # method finds the direction of friction x = cos(psi) of the largest
+    # V = x [A sqrt(1 - k^2 (1 - x^2)) - mu g - k x], A = sqrt(1 + mu^2).
     A = np.hypot(1.0, mu)
     p2 = (1 - k) * (1 + k)
     exists = (k > 0) & (p2 > 0) & (A * np.sqrt(np.maximum(p2, 0.0)) > mu * g)
@@ -252,15 +278,15 @@ def _turned_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
         root = np.sqrt(p2 + (k1 * x) ** 2)
         t = k1 * x / root
         slope = A * (p2 / root + 2 * k1 * x * t) - 2 * k1 * x - mu * g
-        bend = k1 * (A * t * (3 - t * t) - 2)
-        # A convex slope that no longer falls, or a root beyond 1: no maximum inside.
-        exists &= (bend < 0) | (slope <= 0)
-        ahead = x - slope / np.where(bend < 0, bend, -1.0)
-        exists &= ahead < 1
-        moving = exists & (ahead > x)
-        if not np.any(moving):
+        slope_derivative = k1 * (A * t * (3 - t * t) - 2)
+        # V' is convex: once it no longer falls, or its root is beyond 1, no maximum is inside.
+        exists &= (slope_derivative < 0) | (slope <= 0)
+        next_x = x - slope / np.where(slope_derivative < 0, slope_derivative, -1.0)
+        exists &= next_x < 1
+        advances = exists & (next_x > x)
+        if not np.any(advances):
             break
-        x = np.where(moving, ahead, x)
+        x = np.where(advances, next_x, x)
     exists &= x > 0
     x = np.where(exists, x, 1.0)
     sine = np.sqrt((1 - x) * (1 + x))
@@ -275,7 +301,7 @@ def _turned_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     return alpha, beta, np.zeros_like(k), np.asarray(exists)
 
 
-def _held_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+def _stick_edge_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     # The best drive from the side at the edge of stick, |D| = mu_s n: a_x = D_x (1 - mu_k/mu_s),
     # with D the drive in the plane less gravity and n the normal force per mass. As |D|^2 = q^2 -
     # k^2 - 2 k D_x with q = cos(beta), D_x is largest where q^2 - (mu_s n)^2 is.
@@ -286,8 +312,8 @@ def _held_block(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     k1 = np.where(exists, k, 1.0)
     Dx = (q * q - k1 * k1 - (mu_s * (g - dz)) ** 2) / (2 * k1)
     exists &= (Dx > 0) & (Dx < q - k1)
-    side = np.sqrt(np.where(exists, (q - Dx - k1) * (q + Dx + k1), 0.0))
-    alpha = np.arctan2(side, np.where(exists, Dx + k1, 1.0))
+    Dy = np.sqrt(np.where(exists, (q - Dx - k1) * (q + Dx + k1), 0.0))
+    alpha = np.arctan2(Dy, np.where(exists, Dx + k1, 1.0))
     beta = np.arcsin(np.where(exists, dz, 0.0))
     return alpha, beta, np.ones_like(k), np.asarray(exists)
 
@@ -338,109 +364,120 @@ def cylinder_physical_fastest(
         gravity_normal,
         friction_kinetic,
         friction_static,
-        _turned_cylinder,
-        _held_cylinder,
+        _sideways_cylinder,
+        _stick_edge_cylinder,
         _cylinder_acceleration,
     )
 
 
-def _turned_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+def _sideways_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     # The best drive of a contact that slips at an angle to the track, bisected to rounding.
     zero = np.zeros_like(k)
     exists = k > 0
     if not np.any(exists):
         return zero, zero, zero, np.asarray(exists)
-    low, high, inside = _bracket(lambda psi: _slip_value(psi + 0j, k, g, mu), g)
+    low, high, inside = _bracket(lambda psi: _largest_slip_acceleration(psi + 0j, k, g, mu), g)
     exists &= inside
-    step = 1e-30  # the derivative of an analytic function, without a difference
+    step = 1e-30  # complex step: f'(psi) = Im f(psi + i step)/step, only its sign is needed
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        slope = _slip_value(middle + 1j * step, k, g, mu)[0].imag
-        rises = slope > 0
-        low, high = np.where(rises, middle, low), np.where(rises, high, middle)
+        slope = _largest_slip_acceleration(middle + 1j * step, k, g, mu)[0].imag
+        is_rising = slope > 0
+        low, high = np.where(is_rising, middle, low), np.where(is_rising, high, middle)
     psi = (low + high) / 2
-    top, d_z = _slip_value(psi + 0j, k, g, mu)
-    value, dz = np.asarray(top.real), np.asarray(d_z.real)
+    complex_value, complex_dz = _largest_slip_acceleration(psi + 0j, k, g, mu)
+    value, dz = np.asarray(complex_value.real), np.asarray(complex_dz.real)
     exists &= (dz < np.minimum(g, 1.0)) & (dz > -1) & (value > 0)
     dz = np.where(exists, dz, 0.0)
-    m = mu * (g - dz)
-    Dx = np.where(exists, value, 0.0) + m * np.cos(psi)
-    Dy = Dx * np.tan(psi) + 2 * m * np.sin(psi)
+    friction = mu * (g - dz)
+    Dx = np.where(exists, value, 0.0) + friction * np.cos(psi)
+    Dy = Dx * np.tan(psi) + 2 * friction * np.sin(psi)
     exists &= np.hypot(Dx, Dy / 3) > mu_s * (g - dz)
-    exists &= Dx / np.cos(psi) > m
+    exists &= Dx / np.cos(psi) > friction
     alpha = np.where(exists, np.arctan2(Dy, np.where(exists, Dx + k, 1.0)), 0.0)
     return alpha, np.where(exists, np.arcsin(dz), 0.0), zero, np.asarray(exists)
 
 
-def _held_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+def _stick_edge_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     # The best drive at the limit of static friction, closed in on by golden sections.
     zero = np.zeros_like(k)
     exists = (k > 0) & (mu_s > mu)
     if not np.any(exists):
         return zero, zero, zero, np.asarray(exists)
     inputs = (k, g, mu, mu_s)
-    low, high, inside = _bracket(lambda eta: (_held_point(eta, *inputs)[0], -np.inf), g)
+    low, high, inside = _bracket(lambda eta: (_stick_edge_point(eta, *inputs)[0], -np.inf), g)
     exists &= inside
     for _ in range(GOLDEN_SECTIONS):
-        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        falls = _held_point(left, *inputs)[0] > _held_point(right, *inputs)[0]
-        low, high = np.where(falls, low, left), np.where(falls, right, high)
-    value, Dx, Dy, n = _held_point((low + high) / 2, *inputs)
+        inner_low, inner_high = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        is_falling = (
+            _stick_edge_point(inner_low, *inputs)[0] > _stick_edge_point(inner_high, *inputs)[0]
+        )
+        low, high = np.where(is_falling, low, inner_low), np.where(is_falling, inner_high, high)
+    value, Dx, Dy, n = _stick_edge_point((low + high) / 2, *inputs)
     exists &= value > 0
     alpha = np.where(exists, np.arctan2(Dy, np.where(exists, Dx + k, 1.0)), 0.0)
     beta = np.arcsin(np.where(exists, g - n, 0.0))
     return alpha, beta, zero + 1, np.asarray(exists)
 
 
-def _slip_value(
+def _largest_slip_acceleration(
     psi: NDArray[np.complexfloating], k: Array, g: Array, mu: Array
 ) -> tuple[NDArray[np.complexfloating], NDArray[np.complexfloating]]:
-    # The largest a_x of a cylinder that slips along (cos psi, sin psi), -inf where no drive makes
-    # it slip so, and the drive's d_z: the best elevation is a closed form. An imaginary step of psi
-    # gives the derivative.
+    # The largest a_x = d.u - k - mu g x of a cylinder whose contact slips along psi, over unit
+    # drives d, with s, x = sin(psi), cos(psi) and u = (1, 0, mu x). It slips so where d.v = w with
+    # v = (-s, x, 2 mu s x); -inf where no drive does that. Also the drive's d_z. An imaginary step
+    # of psi gives the derivative.
     s, x = np.sin(psi), np.cos(psi)
     w = s * (2 * mu * g * x - k)
     uv = -s * (1 - 2 * (mu * x) ** 2)
     v2 = 1 + (2 * mu * s * x) ** 2
-    left = v2 - w * w
-    root = np.sqrt(np.where(left.real > 0, left, 0.0))
-    steep = np.sqrt(1 + mu * mu * (1 + 8 * s * s))
-    value = (w * uv + root * x * steep) / v2 - k - mu * g * x
-    vz = 2 * mu * s * x
-    # d = w v/|v|^2 + root (u - (u.v) v/|v|^2)/(x steep), and u_z - ... = mu x (1 + 2 s^2)/|v|^2
-    height = (w * vz + root * mu * (1 + 2 * s * s) / steep) / v2
-    return np.where(left.real > 0, value, -np.inf), height
+    discriminant = v2 - w * w
+    root = np.sqrt(np.where(discriminant.real > 0, discriminant, 0.0))
+    steepness = np.sqrt(1 + mu * mu * (1 + 8 * s * s))
+    value = (w * uv + root * x * steepness) / v2 - k - mu * g * x
+    v_z = 2 * mu * s * x
+    # d = w v/|v|^2 + root (u - (u.v) v/|v|^2)/(x steepness): u_z - ... = mu x (1 + 2 s^2)/|v|^2
+    d_z = (w * v_z + root * mu * (1 + 2 * s * s) / steepness) / v2
+    return np.where(discriminant.real > 0, value, -np.inf), d_z
 
 
 def _bracket(
-    value_of: Callable[[Array], tuple[Any, Any]], below: Array
+    value_of: Callable[[Array], tuple[Any, Any]], max_height: Array
 ) -> tuple[Array, Array, Mask]:
-    # Neighbours of the best sample, since the value may have more than one maximum, and whether it
-    # is not the first one. The second result of `value_of`, the height, has to stay `below`.
+    # The neighbours of the best sample, since the value may have more than one maximum, and whether
+    # it is not the first sample. `value_of` also returns a height, which has to stay below
+    # `max_height`.
     samples = np.linspace(0.0, np.pi / 2, DIRECTIONS)
-    best, best_number = np.full(below.shape, -np.inf), np.zeros(below.shape, dtype=np.int64)
+    best_value, best_number = (
+        np.full(max_height.shape, -np.inf),
+        np.zeros(max_height.shape, dtype=np.int64),
+    )
     for number, angle in enumerate(samples):
-        value, height = (np.real(one) for one in value_of(np.full(below.shape, angle)))
-        better = (value > best) & (height < below)
-        best, best_number = np.where(better, value, best), np.where(better, number, best_number)
+        value, height = (np.real(part) for part in value_of(np.full(max_height.shape, angle)))
+        better = (value > best_value) & (height < max_height)
+        best_value, best_number = (
+            np.where(better, value, best_value),
+            np.where(better, number, best_number),
+        )
     low = samples[np.maximum(best_number - 1, 0)]
     return low, samples[np.minimum(best_number + 1, DIRECTIONS - 1)], best_number > 0
 
 
-def _held_point(
+def _stick_edge_point(
     eta: Array, k: Array, g: Array, mu: Array, mu_s: Array
 ) -> tuple[Array, Array, Array, Array]:
-    # a_x, D_x, D_y and n at the limit of static friction in the direction eta: the unit length of
-    # the drive leaves a quadratic in n; a_x is a multiple of n, so that the larger root counts.
+    # a_x, D_x, D_y and n at the limit of static friction in the direction eta: the drive's unit
+    # length, (k + along n)^2 + (across n)^2 + (g - n)^2 = 1, is a quadratic in n; a_x is a multiple
+    # of n, so that the larger root counts.
     along, across = mu_s * np.cos(eta), 3 * mu_s * np.sin(eta)
-    a, b = 1 + along**2 + across**2, g - k * along
-    left = b * b - a * (k * k + g * g - 1)
-    n = (b + np.sqrt(np.maximum(left, 0.0))) / a
-    meets = (left >= 0) & (n > 0) & (n <= g)
-    n = np.where(meets, n, 1.0)
+    quadratic, half_linear = 1 + along**2 + across**2, g - k * along
+    discriminant = half_linear * half_linear - quadratic * (k * k + g * g - 1)
+    n = (half_linear + np.sqrt(np.maximum(discriminant, 0.0))) / quadratic
+    exists = (discriminant >= 0) & (n > 0) & (n <= g)
+    n = np.where(exists, n, 1.0)
     D = (along * n, across * n)
     value = _cylinder_acceleration(D, n, mu)[0]
-    return np.where(meets, value, -np.inf), *D, n
+    return np.where(exists, value, -np.inf), *D, n
 
 
 def _cylinder_acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:

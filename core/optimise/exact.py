@@ -32,7 +32,7 @@ from vibrafeed.core.optimise.problem import (
     chosen_cells,
     columns,
 )
-from vibrafeed.core.optimise.search import by_search, filled
+from vibrafeed.core.optimise.search import box_points, by_search
 from vibrafeed.core.study.grid_study import DRIVE_ANGLES
 from vibrafeed.core.study.optimise_study import Limited, Maximise, Pareto, Weighted
 from vibrafeed.core.study.values import evenly
@@ -70,15 +70,17 @@ def plane_thesis_limited(
     E = np.where(valid, E, 0.0)
     scale = np.where(driven, P, 1.0)
     g, e, A = G / scale, E / scale, np.hypot(1.0, mu)
-    lifts = mu >= g * A
-    leaving = np.minimum(g + ratio(e, mu, np.inf), mu / A)
-    sine = g if floor_contact else leaving
-    on_curve = ~lifts & (mu * mu / A < mu * g - e)
+    lifts_off = mu >= g * A  # asin(G/P) <= atan(mu)
+    lifting_sine = np.minimum(g + ratio(e, mu, np.inf), mu / A)
+    sine = g if floor_contact else lifting_sine
+    on_curve = ~lifts_off & (mu * mu / A < mu * g - e)
     infeasible = driven & on_curve & (mu * g - e > A)
-    held = on_curve & ~infeasible & driven
-    alpha, beta = _on_curve(np.where(held, mu * g - np.where(held, e, 0.0), 0.0), mu)
-    alpha = np.where(held, alpha, 0.0)
-    beta = np.where(held, beta, np.where(lifts, np.arcsin(np.minimum(sine, 1.0)), np.arctan(mu)))
+    on_limit = on_curve & ~infeasible & driven
+    alpha, beta = _angles_at_limit(np.where(on_limit, mu * g - np.where(on_limit, e, 0.0), 0.0), mu)
+    alpha = np.where(on_limit, alpha, 0.0)
+    beta = np.where(
+        on_limit, beta, np.where(lifts_off, np.arcsin(np.minimum(sine, 1.0)), np.arctan(mu))
+    )
     # Without drive a_y is -mu G at every angle.
     infeasible |= valid & ~driven & (mu * G > E)
     along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
@@ -113,11 +115,11 @@ def plane_thesis_weighted(
     within = (P >= 0) & (G >= 0) & (mu >= 0) & (w >= 0)
     valid, driven, (P, c, G, mu, w) = valid_inputs(within, P, c, G, mu, w)
     g, A = G / np.where(driven, P, 1.0), np.hypot(1.0, mu)
-    lifts = mu >= g * A
+    lifts_off = mu >= g * A  # asin(G/P) <= atan(mu)
     lift_off = np.arcsin(np.minimum(g, 1.0))
-    leaving = lift_off if floor_contact else np.maximum(lift_off, np.arctan(mu * (1 - w)))
-    alpha = np.where(lifts, 0.0, np.minimum(np.arctan(w), _alpha_max(g, mu)))
-    beta = np.where(lifts, leaving, _curve_beta(alpha, mu))
+    lifting_beta = lift_off if floor_contact else np.maximum(lift_off, np.arctan(mu * (1 - w)))
+    alpha = np.where(lifts_off, 0.0, np.minimum(np.arctan(w), _alpha_max(g, mu)))
+    beta = np.where(lifts_off, lifting_beta, _curve_beta(alpha, mu))
     along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
     status = statuses(valid, np.zeros_like(valid), driven, along)
     return optimum(alpha, beta, along, across, status)
@@ -145,20 +147,22 @@ def plane_thesis_pareto(
     [rad], a_x and a_y [m/s2], the points along a last axis, and a status.
     """
     P, c, G, mu = (
-        part[..., np.newaxis]
-        for part in broadcast(
+        argument[..., np.newaxis]
+        for argument in broadcast(
             vibration_acceleration, gravity_along, gravity_normal, friction_kinetic
         )
     )
     within = (P >= 0) & (G >= 0) & (mu >= 0)
     valid, driven, (P, c, G, mu) = valid_inputs(within, P, c, G, mu)
     g, A = G / np.where(driven, P, 1.0), np.hypot(1.0, mu)
-    lifts = mu >= g * A
+    lifts_off = mu >= g * A  # asin(G/P) <= atan(mu)
     lift_off = np.arcsin(np.minimum(g, 1.0))
-    share = evenly(0.0, 1.0, points)
-    first = lift_off if floor_contact else np.arctan(mu)
-    alpha = np.where(lifts, 0.0, share * _alpha_max(g, mu))
-    beta = np.where(lifts, first + share * (lift_off - first), _curve_beta(alpha, mu))
+    fraction = evenly(0.0, 1.0, points)
+    first_beta = lift_off if floor_contact else np.arctan(mu)
+    alpha = np.where(lifts_off, 0.0, fraction * _alpha_max(g, mu))
+    beta = np.where(
+        lifts_off, first_beta + fraction * (lift_off - first_beta), _curve_beta(alpha, mu)
+    )
     along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
     status = statuses(valid, np.zeros_like(valid), driven, along[..., :1])
     return optimum(alpha, beta, along, across, status)._replace(status=status[..., 0])
@@ -178,22 +182,22 @@ def _curve_beta(alpha: Array, mu: Array) -> Array:
     return np.asarray(np.arctan(mu * (np.cos(alpha) + np.sin(alpha))))
 
 
-def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
+def _angles_at_limit(limit_level: Array, mu: Array) -> tuple[Array, Array]:
     # The limit of a_y is a level of d_y + mu d_z, with the drive direction d: the highest point
     # over d_x + mu d_z of the circle that its plane cuts from the unit sphere is the foot of the
     # plane plus a step along the projected gradient.
     A2 = 1.0 + mu * mu
     A = np.hypot(1.0, mu)
-    s = np.minimum(level / A, 1.0)
-    x = np.sqrt((1 - s) * (1 + s)) * np.sqrt(A2 / (1 + 2 * mu * mu))
-    y = s / A - x * (mu * mu / A2)
+    height = np.minimum(limit_level / A, 1.0)
+    x = np.sqrt((1 - height) * (1 + height)) * np.sqrt(A2 / (1 + 2 * mu * mu))
+    y = height / A - x * (mu * mu / A2)
     alpha = np.clip(np.arctan2(y, x), 0.0, np.pi / 2)
     return alpha, _curve_beta(alpha, mu)
 
 
 def _alpha_max(g: Array, mu: Array) -> Array:
     # Where a_y = 0 on the curve; 90 deg where it stays negative.
-    return _on_curve(np.minimum(mu * g, np.hypot(1.0, mu)), mu)[0]
+    return _angles_at_limit(np.minimum(mu * g, np.hypot(1.0, mu)), mu)[0]
 
 
 PLANE = Family(
@@ -305,32 +309,32 @@ def track_physical_fastest(
     infeasible = valid & ((gy < 0) | (gz < 0))
     scale = np.where(driven, P, 1.0)
     y, z = np.maximum(gy, 0.0) / scale, np.maximum(gz, 0.0) / scale
-    alpha, beta = _both_contacts(y, z, mu)
-    easiest = _both_contacts(y, z, mu_s)
-    start = _both_value(P, c, gy, gz, mu_s, *easiest)
-    K = _both_value(P, c, gy, gz, mu, alpha, beta)
-    stuck = _both_value(P, c, gy, gz, mu_s, alpha, beta) <= 0
-    moves = start > 0
+    alpha, beta = _best_angles_with_contacts(y, z, mu)
+    starting_angles = _best_angles_with_contacts(y, z, mu_s)
+    starting_value = _track_acceleration(P, c, gy, gz, mu_s, *starting_angles)
+    K = _track_acceleration(P, c, gy, gz, mu, alpha, beta)
+    stuck = _track_acceleration(P, c, gy, gz, mu_s, alpha, beta) <= 0
+    moves = starting_value > 0
     status = statuses(valid, infeasible, driven, np.where(moves, 1.0, 0.0))
     at_edge = stuck & moves & (status == STATUS["optimal"])
     status = np.where(at_edge, STATUS["not_attained"], status).astype(np.int8)
-    hidden = at_edge | (status == STATUS["no_motion"])
-    alpha, beta, K = (np.where(hidden, np.nan, part) for part in (alpha, beta, K))
-    return optimum(alpha, beta, K, np.where(hidden, np.nan, 0.0), status)
+    without_angles = at_edge | (status == STATUS["no_motion"])
+    alpha, beta, K = (np.where(without_angles, np.nan, part) for part in (alpha, beta, K))
+    return optimum(alpha, beta, K, np.where(without_angles, np.nan, 0.0), status)
 
 
-def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
+def _best_angles_with_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
     # The angles of the largest d_x + mu (d_y + d_z) with d_y <= y and d_z <= z.
-    kept = np.minimum(y, 1.0)
-    wall = np.minimum(mu * np.sqrt((1 - kept) * (1 + kept)) / np.hypot(1.0, mu), z)
-    across = np.sqrt(np.maximum((1 - wall) * (1 + wall) - kept * kept, 0.0))
-    at_wall = (y < 1) & (kept <= mu * across)
-    free = np.minimum(mu / np.sqrt(1 + 2 * mu * mu), z)
-    alpha = np.where(at_wall, np.arctan2(kept, across), np.arctan(mu))
-    return alpha, np.arcsin(np.where(at_wall, wall, free))
+    d_y = np.minimum(y, 1.0)
+    d_z_at_wall = np.minimum(mu * np.sqrt((1 - d_y) * (1 + d_y)) / np.hypot(1.0, mu), z)
+    d_x_at_wall = np.sqrt(np.maximum((1 - d_z_at_wall) * (1 + d_z_at_wall) - d_y * d_y, 0.0))
+    at_wall = (y < 1) & (d_y <= mu * d_x_at_wall)
+    d_z_free = np.minimum(mu / np.sqrt(1 + 2 * mu * mu), z)
+    alpha = np.where(at_wall, np.arctan2(d_y, d_x_at_wall), np.arctan(mu))
+    return alpha, np.arcsin(np.where(at_wall, d_z_at_wall, d_z_free))
 
 
-def _both_value(
+def _track_acceleration(
     P: Array, c: Array, gy: Array, gz: Array, mu: Array, alpha: Array, beta: Array
 ) -> Array:
     # K_0 (theory 4.4): the drive along x less gravity and friction on floor and wall.
@@ -365,25 +369,33 @@ def by_exact(
     optima = closed_optima(problem, design)
     assert optima.value is not None
     x, status, value = optima.x.copy(), optima.status.copy(), optima.value.copy()
-    without: NDArray[np.bool_] = np.asarray(np.isnan(x).any(axis=0))
-    still = np.flatnonzero((status == STATUS["no_motion"]) & without)
-    if still.size:
-        unit = filled(len(problem.names), still.size, REST_POINTS)
-        here = columns(chosen_cells(design, still)), columns(chosen_cells(scales, still))
-        judged, beyond, _ = problem.judged(problem.inside(unit)[:, None], *here)
-        rests = (beyond <= 0) & (judged >= 0)
-        found = rests.any(axis=1)
-        x[:, still[found]] = problem.inside(unit[:, rests[found].argmax(axis=1)])
-        without[still[found]] = False
-    left = np.flatnonzero(without & np.isin(status, (STATUS["no_motion"], STATUS["not_attained"])))
-    if left.size:
-        here = chosen_cells(design, left), chosen_cells(scales, left)
-        best = by_search(problem, *here, replace(watch, progress=None))
-        lost = np.isnan(best.x).any(axis=0)
-        values = problem.judged(np.where(lost, problem.lower[:, None], best.x), *here)[0]
-        x[:, left], value[left] = best.x, np.where(lost, np.nan, values)
-        status[left] = np.where(
-            status[left] == STATUS["not_attained"], STATUS["not_attained"], best.status
+    # Without motion, rest is the best: any point of the bounds that keeps the constraints.
+    without_angles: NDArray[np.bool_] = np.asarray(np.isnan(x).any(axis=0))
+    no_motion = np.flatnonzero((status == STATUS["no_motion"]) & without_angles)
+    if no_motion.size:
+        unit = box_points(len(problem.names), no_motion.size, REST_POINTS)
+        arguments = (
+            columns(chosen_cells(design, no_motion)),
+            columns(chosen_cells(scales, no_motion)),
+        )
+        objective, violation, _ = problem.judged(problem.from_unit_box(unit)[:, None], *arguments)
+        rests = (violation <= 0) & (objective >= 0)
+        has_rest = rests.any(axis=1)
+        x[:, no_motion[has_rest]] = problem.from_unit_box(unit[:, rests[has_rest].argmax(axis=1)])
+        without_angles[no_motion[has_rest]] = False
+    unsolved = np.flatnonzero(
+        without_angles & np.isin(status, (STATUS["no_motion"], STATUS["not_attained"]))
+    )
+    if unsolved.size:
+        arguments = chosen_cells(design, unsolved), chosen_cells(scales, unsolved)
+        searched = by_search(problem, *arguments, replace(watch, progress=None))
+        not_found = np.isnan(searched.x).any(axis=0)
+        values = problem.judged(
+            np.where(not_found, problem.lower[:, None], searched.x), *arguments
+        )[0]
+        x[:, unsolved], value[unsolved] = searched.x, np.where(not_found, np.nan, values)
+        status[unsolved] = np.where(
+            status[unsolved] == STATUS["not_attained"], STATUS["not_attained"], searched.status
         )
     watch.advance(1.0)
     return replace(optima, x=x, status=status, value=value)
@@ -394,7 +406,7 @@ def closed_optima(problem: OptimisationProblem, design: Mapping[str, Array]) -> 
 
     `design` has the fixed parameters, SI units, shape (cells,).
     """
-    best = _closed(problem, design)
+    best = _closed_optimum(problem, design)
     value = best.acceleration_x - problem.weight * np.abs(best.acceleration_y)
     return Optima(_ordered(problem, best.alpha, best.beta), best.status, value)
 
@@ -404,7 +416,7 @@ def closed_front(problem: OptimisationProblem, design: Mapping[str, Array], poin
 
     `points` is the number of points of a front, which follow one another.
     """
-    front = _closed(problem, design, points)
+    front = _closed_optimum(problem, design, points)
     x = _ordered(problem, front.alpha.ravel(), front.beta.ravel())
     return Optima(x, np.repeat(front.status, points), front.acceleration_x.ravel())
 
@@ -415,19 +427,19 @@ def is_closed(problem: OptimisationProblem) -> bool:
     Both angles of the drive are then variables with bounds from 0 to 90 degrees, and scene,
     criterion and constraints are among those that were solved.
     """
-    family = _family(problem)
-    whole = (
+    family = _family_of(problem)
+    has_full_range = (
         set(problem.names) == set(DRIVE_ANGLES)
         and bool(np.all(problem.lower == 0.0))
         and bool(np.all(problem.upper == np.pi / 2))
     )
-    return family is not None and whole and type(problem.criterion) in family.closed
+    return family is not None and has_full_range and type(problem.criterion) in family.closed
 
 
-def _family(problem: OptimisationProblem) -> Family | None:
+def _family_of(problem: OptimisationProblem) -> Family | None:
     plan, criterion = problem.plan, problem.criterion
     family = FAMILIES.get((plan.scene.name, plan.variant, criterion.output))
-    names = {kept.name for kept in problem.kept}
+    names = {constraint.name for constraint in problem.constraints}
     if family is None or problem.uncertain is not None or problem.sign < 0:
         return None
     if not family.contacts <= names <= {LIMIT, "floor_contact", "wall_contact"}:
@@ -443,28 +455,32 @@ def _family(problem: OptimisationProblem) -> Family | None:
     return family if at_rest else None
 
 
-def _closed(problem: OptimisationProblem, design: Mapping[str, Array], points: int = 0) -> Optimum:
-    family = _family(problem)
+def _closed_optimum(
+    problem: OptimisationProblem, design: Mapping[str, Array], points: int = 0
+) -> Optimum:
+    family = _family_of(problem)
     assert family is not None
-    # Variables stand at their lower bounds: none of these depends on the angles.
-    known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
+    # Any angles will do: none of the quantities below depends on them.
+    quantities = problem.quantities(
+        np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design
+    )
     names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")
-    more = (name for name in ("friction_static", "gravity_across") if name in known)
+    optional = (name for name in ("friction_static", "gravity_across") if name in quantities)
     cells = next(iter(design.values())).shape
     inputs = {
-        name: np.broadcast_to(np.asarray(known[name], dtype=np.float64), cells)
-        for name in (*names, *more)
+        name: np.broadcast_to(np.asarray(quantities[name], dtype=np.float64), cells)
+        for name in (*names, *optional)
     }
-    kept = {one.name for one in problem.kept}
-    asked = {
+    constraints = {constraint.name for constraint in problem.constraints}
+    options = {
         "limit": design.get(LIMIT, np.inf),
         "weight": problem.weight,
-        "floor_contact": "floor_contact" in kept,
-        "wall_contact": "wall_contact" in kept,
+        "floor_contact": "floor_contact" in constraints,
+        "wall_contact": "wall_contact" in constraints,
         "friction_static": inputs["friction_kinetic"],
         "points": points,
     }
-    return family.closed_optimum(problem.criterion, asked | inputs)
+    return family.closed_optimum(problem.criterion, options | inputs)
 
 
 def _ordered(problem: OptimisationProblem, alpha: Array, beta: Array) -> Array:

@@ -44,22 +44,22 @@ def by_scipy(
     x = np.full((len(problem.names), cells), np.nan)
     status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
     evaluations = np.zeros(cells, dtype=np.int64)
-    says = ""
+    message = ""
     for cell in range(cells):
         if watch.stopped():
             break
-        single = _Design(problem, chosen_cells(design, [cell]), chosen_cells(scales, [cell]),
+        single_design = _Design(problem, chosen_cells(design, [cell]), chosen_cells(scales, [cell]),
                       watch.part(1 / cells))  # fmt: skip
-        unit, says = single.best()
-        if watch.stopped() and (problem.is_motion or not single.ended):
-            break  # the points that were asked for last have no value
-        value, beyond = single.judged(unit[:, None])
+        unit, message = single_design.best()
+        if watch.stopped() and (problem.is_motion or not single_design.ended):
+            break  # the last points were not evaluated
+        value, beyond = single_design.judged(unit[:, None])
         status[cell] = statuses_of(value, beyond, TOLERANCE)[0]
         if status[cell] == STATUS["optimal"]:
-            x[:, cell] = problem.inside(unit)
-        evaluations[cell] = single.evaluations
-        single.tell(1.0)
-    return Optima(x, status, evaluations=evaluations, says=says)
+            x[:, cell] = problem.from_unit_box(unit)
+        evaluations[cell] = single_design.evaluations
+        single_design.report(1.0)
+    return Optima(x, status, evaluations=evaluations, says=message)
 
 
 class _Design:
@@ -75,29 +75,30 @@ class _Design:
         self.size = float(problem.scale(scales)[0])
         self.evaluations, self.reported, self.ended = 0, 0.0, False
 
-    def tell(self, share: float) -> None:
-        if share > self.reported:
-            self.watch.advance(share - self.reported)
-            self.reported = share
+    def report(self, fraction: float) -> None:
+        if fraction > self.reported:
+            self.watch.advance(fraction - self.reported)
+            self.reported = fraction
 
     def judged(self, unit: Array) -> tuple[Array, Array]:
-        self.tell(min(self.evaluations / ABOUT, MOST_SHARE))
+        self.report(min(self.evaluations / ABOUT, MOST_SHARE))
         self.evaluations += unit.shape[1]
-        quiet = replace(self.watch, progress=None)
-        x = self.problem.inside(unit)[:, None, :]
-        value, beyond, _ = self.problem.judged(x, self.design, self.scales, quiet)
-        return value[0] / self.size, beyond[0]
+        silent = replace(self.watch, progress=None)
+        x = self.problem.from_unit_box(unit)[:, None, :]
+        value, violation, _ = self.problem.judged(x, self.design, self.scales, silent)
+        return value[0] / self.size, violation[0]
 
-    def ranked(self, unit: Array) -> Array:
-        value, beyond = self.judged(np.reshape(unit, (len(unit), -1)))
+    def penalised(self, unit: Array) -> Array:
+        value, violation = self.judged(np.reshape(unit, (len(unit), -1)))
         return np.where(
-            beyond > 0, np.where(np.isfinite(beyond), INFEASIBLE + beyond, np.inf), -value
+            violation > 0, np.where(np.isfinite(violation), INFEASIBLE + violation, np.inf), -value
         )
 
     def best(self) -> tuple[Array, str]:
+        # The best point of the unit box, and the messages of the optimisers.
         bounds = [(0.0, 1.0)] * len(self.problem.names)
         result = scipy.optimize.differential_evolution(
-            lambda unit: self.ranked(unit) if unit.ndim > 1 else self.ranked(unit)[0],
+            lambda unit: self.penalised(unit) if unit.ndim > 1 else self.penalised(unit)[0],
             bounds,
             vectorized=True,
             updating="deferred",
@@ -111,32 +112,38 @@ class _Design:
             callback=lambda intermediate_result: self.watch.stopped(),
         )
         self.ended = not self.watch.stopped()
-        point, said = np.asarray(result.x), str(result.message)
+        # SLSQP refines the point only where the objective is smooth.
+        point, message = np.asarray(result.x), str(result.message)
         is_smooth = not self.problem.is_motion and self.problem.uncertain is None
         if not is_smooth or not self.ended or not np.isfinite(result.fun):
-            return point, said
-        kept = {"type": "ineq", "fun": lambda unit: self.smooth(unit)[1:]}
+            return point, message
+        inequalities = {
+            "type": "ineq",
+            "fun": lambda unit: self.scaled_objective_and_margins(unit)[1:],
+        }
         polished = scipy.optimize.minimize(
-            lambda unit: -float(self.smooth(unit)[0]),
+            lambda unit: -float(self.scaled_objective_and_margins(unit)[0]),
             point,
             jac="3-point",
             method="SLSQP",
             bounds=bounds,
-            constraints=[kept] if self.problem.kept else [],
+            constraints=[inequalities] if self.problem.constraints else [],
             options={"ftol": 1e-15, "maxiter": 200},
         )
-        both = np.clip(np.stack([point, polished.x], axis=1), 0.0, 1.0)
-        value, beyond = self.judged(both)
-        place = np.lexsort((-value, np.maximum(beyond, TOLERANCE / 10)))[0]
-        return both[:, place], f"{said} {polished.message}"
+        points = np.clip(np.stack([point, polished.x], axis=1), 0.0, 1.0)
+        value, violation = self.judged(points)
+        best = np.lexsort((-value, np.maximum(violation, TOLERANCE / 10)))[0]
+        return points[:, best], f"{message} {polished.message}"
 
-    def smooth(self, unit: Array) -> Array:
+    def scaled_objective_and_margins(self, unit: Array) -> Array:
         problem = self.problem
         self.evaluations += 1
-        known = problem.known(problem.inside(unit)[:, None, None], self.design)
-        rows = [problem.objective(known) / self.size]
-        for kept in problem.kept:
-            rows.append(problem.margin(kept, known, self.design) / self.scales[kept.output])
+        quantities = problem.quantities(problem.from_unit_box(unit)[:, None, None], self.design)
+        rows = [problem.objective(quantities) / self.size]
+        for constraint in problem.constraints:
+            rows.append(
+                problem.margin(constraint, quantities, self.design) / self.scales[constraint.output]
+            )
         values = np.array([float(np.broadcast_to(row, (1, 1))[0, 0]) for row in rows])
         return np.where(np.isfinite(values), values, -NO_VALUE)
 

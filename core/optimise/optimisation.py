@@ -65,7 +65,7 @@ class Optimisation(Prepared):
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable of an optimisation's result by name, in order, as in files."""
-        units = {name: one.get("units", "1") for name, one in self.attributes.items()}
+        units = {name: attributes.get("units", "1") for name, attributes in self.attributes.items()}
         return {**units, **dict.fromkeys(self.plan.verdict_names, "1")}
 
     @cached_property
@@ -83,27 +83,27 @@ class Optimisation(Prepared):
             "criterion": criterion_in_words(self.problem),
             "variables": [*self.problem.names],
             "method": self.method,
-            "kept": [one.name for one in self.problem.kept],
+            "kept": [constraint.name for constraint in self.problem.constraints],
         }
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """Two sentences on an optimisation, to show before it is run: objective, constraints."""
         facts = self.facts()
-        free, kept = (", ".join(facts[name]) for name in ("variables", "kept"))
+        variables, constraints = (", ".join(facts[name]) for name in ("variables", "kept"))
         return (
-            f"{facts['criterion']}, by the choice of {free}; method {facts['method']}",
-            f"kept: {kept or 'nothing'}",
+            f"{facts['criterion']}, by the choice of {variables}; method {facts['method']}",
+            f"kept: {constraints or 'nothing'}",
         )
 
     def _new_price(self) -> Price:
-        more = max(1.0, self.problem.nodes / NODES)
+        node_factor = max(1.0, self.problem.nodes / NODES)
         if not self.problem.is_motion:
-            return Price(0.0, MARGIN * SECONDS[self.method] * more)
+            return Price(0.0, MARGIN * SECONDS[self.method] * node_factor)
         method = methods_of(self.plan.scene.name)[self.plan.variant]
         motion = price(self.plan, self.designs, method.seconds_a_cell, self.problem.bounds)
         # One interval of nine nodes is in the price of a search; more nodes cost as much more.
-        motions = more * expected_points(len(self.problem.names))
+        motions = node_factor * expected_points(len(self.problem.names))
         return Price(motion.start, MARGIN * MOTION_SECONDS + motions * motion.cell)
 
     @property
@@ -159,12 +159,12 @@ def _attributes(prepared: Optimisation) -> dict[str, dict[str, Any]]:
     criterion, names = problem.criterion, problem.names
     unit = QUANTITIES[criterion.output].unit
 
-    def of(name: str, **more: str) -> dict[str, Any]:
+    def attributes_of(name: str, **more: str) -> dict[str, Any]:
         return {**quantity_attributes(name, **link_to_verdict(plan, name)), **more}
 
-    def binds(what: str) -> dict[str, Any]:
+    def binds(bound_name: str) -> dict[str, Any]:
         flags = flag_attributes("optimum_status", BINDS, tuple(BINDS))
-        return {**flags, "long_name": f"Whether {what} binds"}
+        return {**flags, "long_name": f"Whether {bound_name} binds"}
 
     attributes = {
         f"best_{name}": {
@@ -173,44 +173,44 @@ def _attributes(prepared: Optimisation) -> dict[str, dict[str, Any]]:
         }
         for name in names
     }
-    afresh = " Over points that did not choose it." if problem.is_sampled else ""
-    attributes["objective"] = of(
+    note = " Over points that did not choose it." if problem.is_sampled else ""
+    attributes["objective"] = attributes_of(
         "objective",
         units=unit,
-        comment=f"At the optimum: {criterion_in_words(problem)}.{afresh}",
+        comment=f"At the optimum: {criterion_in_words(problem)}.{note}",
         criterion=criterion.kind,
         output=criterion.output,
         **link_to_verdict(plan, criterion.output),
     )
     if problem.states_error or problem.is_sampled:
-        attributes["objective_error"] = of("objective_error", units=unit)
+        attributes["objective_error"] = attributes_of("objective_error", units=unit)
     if problem.is_sampled:
         attributes["objective_error"]["comment"] = INTERVAL
-        attributes["objective_left_out"] = of("objective_left_out")
-    for name in (*problem.concerned, *study.outputs):
+        attributes["objective_left_out"] = attributes_of("objective_left_out")
+    for name in (*problem.judged_outputs, *study.outputs):
         if name != "regime":
-            attributes[name] = of(name)
-    for kept in problem.kept:
-        what = kept.name.replace("_", " ")
-        attributes[f"margin_{kept.name}"] = {
-            "units": QUANTITIES[kept.output].unit,
-            "long_name": f"Margin of {what}",
-            "comment": f"Distance of {kept.output} from its bound; 0 where it binds.",
+            attributes[name] = attributes_of(name)
+    for constraint in problem.constraints:
+        bound_name = constraint.name.replace("_", " ")
+        attributes[f"margin_{constraint.name}"] = {
+            "units": QUANTITIES[constraint.output].unit,
+            "long_name": f"Margin of {bound_name}",
+            "comment": f"Distance of {constraint.output} from its bound; 0 where it binds.",
         }
-        attributes[f"binds_{kept.name}"] = binds(what)
+        attributes[f"binds_{constraint.name}"] = binds(bound_name)
         if problem.uncertain is not None:
-            label = f"robability that {what} is broken"
+            label = f"robability that {bound_name} is broken"
             comment = "Over all distributions; a unit without a value breaks it."
-            broken, error = broken_names(kept.name)
+            broken, error = broken_names(constraint.name)
             attributes[broken] = {"units": "1", "long_name": f"P{label}", "comment": comment}
             label = f"Error of the p{label}"
             attributes[error] = {"units": "1", "long_name": label, "comment": INTERVAL}
     for name, end in product(names, ("lower", "upper")):
         attributes[f"binds_{name}_{end}"] = binds(f"the {end} bound of {name}")
-    attributes |= {name: of(name) for name in ("optimum_gap", "evaluations")}
+    attributes |= {name: attributes_of(name) for name in ("optimum_gap", "evaluations")}
     if isinstance(criterion, Pareto):
         attributes["knee"] = flag_attributes("knee", KNEE, tuple(KNEE))
-        attributes["front_points"] = of("front_points")
+        attributes["front_points"] = attributes_of("front_points")
     for name in problem.sensitive if study.sensitivities else ():
         attributes[f"sensitivity_{name}"] = {
             "units": "1",
@@ -228,16 +228,19 @@ def _attributes(prepared: Optimisation) -> dict[str, dict[str, Any]]:
 
 def criterion_in_words(problem: OptimisationProblem) -> str:
     """Return the criterion in a few words."""
-    words, uncertain = _looked_for(problem), problem.uncertain
+    words, uncertain = _criterion_of_exact_parameters(problem), problem.uncertain
     if uncertain is None:
         return words
-    how = {"worst": "in the worst case", "mean": "on average"}.get(uncertain.how)
-    how = how or f"of the {uncertain.quantile:g} quantile"
-    names = (_known(name, one) for name, one in uncertain.distributions.items())
-    return f"{words}, {how} over {', '.join(names)}"
+    statistic = {"worst": "in the worst case", "mean": "on average"}.get(uncertain.how)
+    statistic = statistic or f"of the {uncertain.quantile:g} quantile"
+    names = (
+        _range_in_words(name, distribution)
+        for name, distribution in uncertain.distributions.items()
+    )
+    return f"{words}, {statistic} over {', '.join(names)}"
 
 
-def _known(name: str, distribution: Distribution) -> str:
+def _range_in_words(name: str, distribution: Distribution) -> str:
     unit = QUANTITIES[name].suffix
     if isinstance(distribution, Between):
         return f"{name} from {distribution.lower:g} to {distribution.upper:g}{unit}"
@@ -245,7 +248,7 @@ def _known(name: str, distribution: Distribution) -> str:
     return f"{name} about {nominal(distribution):g} ({lower:.4g} to {upper:.4g}){unit}"
 
 
-def _looked_for(problem: OptimisationProblem) -> str:
+def _criterion_of_exact_parameters(problem: OptimisationProblem) -> str:
     criterion = problem.criterion
     output, against = criterion.output, problem.against
     if isinstance(criterion, Weighted):

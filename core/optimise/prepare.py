@@ -16,8 +16,8 @@ from vibrafeed.core.optimise.problem import (
     CONTACT_OUTPUTS,
     LIMIT,
     SECOND,
-    Kept,
     OptimisationProblem,
+    OutputBound,
 )
 from vibrafeed.core.optimise.search import MAX_VARIABLES
 from vibrafeed.core.optimise.uncertain import LEAST_SHARE, MAX_UNCERTAIN, uncertain_of
@@ -39,44 +39,48 @@ FRONT = "front"
 def prepare(study: OptimiseStudy) -> Optimisation:
     """Return the optimisation that a study describes, checked and planned, ready to be computed."""
     values, intervals = study.values(), study.intervals()
-    asked = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
-    scene, variant, _ = chosen = _chosen(study, asked)
-    kept = tuple(_kept(study, scene, variant))
+    requested = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
+    scene, variant, _ = chosen = _scene_of(study, requested)
+    constraints = tuple(_output_bounds(study, scene, variant))
     second = SECOND.get(study.criterion.output, "")
     if study.criterion.kind == "maximise" and second in scene.outputs(variant):
-        asked = (*asked, second)
-    concerned = dict.fromkeys((*asked, *(each.output for each in kept)))
-    outputs = tuple(name for name in concerned if name != "regime")
+        requested = (*requested, second)
+    computed = dict.fromkeys((*requested, *(constraint.output for constraint in constraints)))
+    outputs = tuple(name for name in computed if name != "regime")
     bounds = study.bounds() or _default_bounds(scene, variant, outputs, values)
     problems = [
-        *_misplaced(study, values),
+        *_problems_of_fields(study, values),
         *_problems_of_constraints(study),
         *_problems_of_bounds(bounds),
         *_problems_of_intervals(study, intervals, values, bounds),
     ]
-    ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
-    ends |= {name: tolerance(name, one) for name, one in intervals.items()}
-    spans = {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
+    ends = {name: (between.lower, between.upper) for name, between in bounds.items()}
+    ends |= {name: tolerance(name, distribution) for name, distribution in intervals.items()}
+    ranges = {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
     try:
-        plan, _ = plan_study(study, outputs, chosen, spans)
+        plan, _ = plan_study(study, outputs, chosen, ranges)
     except StudyError as error:
-        problems += (locate_problem(_of_other_drive(each, scene), study) for each in error.problems)
+        problems += (
+            locate_problem(_explained_by_drive(problem, scene), study) for problem in error.problems
+        )
     problems += _problems_of_method(study.method)
     if problems:
         raise StudyError(dict.fromkeys(problems))
-    unsure = None
+    uncertain = None
     if intervals:
-        unsure = uncertain_of(
-            intervals, study.robust or "worst", study.quantile, is_limited=bool(kept)
+        uncertain = uncertain_of(
+            intervals, study.robust or "worst", study.quantile, is_limited=bool(constraints)
         )
-    problem = OptimisationProblem(plan, _in_si(bounds), study.criterion, kept, unsure)
-    middles = {name: Fixed(nominal(each)) for name, each in intervals.items()}
-    used = {name: one for name, one in values.items() if name in plan.parameters}
-    designs = grid = Grid.of({**used, **middles})
+    problem = OptimisationProblem(
+        plan, _bounds_in_si(bounds), study.criterion, constraints, uncertain
+    )
+    nominals = {name: Fixed(nominal(distribution)) for name, distribution in intervals.items()}
+    fixed = {name: value for name, value in values.items() if name in plan.parameters}
+    designs = grid = Grid.of({**fixed, **nominals})
     method = _method(study, problem)
     if isinstance(study.criterion, Pareto):
-        shares = Span(0.0, 1.0, study.criterion.points)
-        grid = replace(designs, axes={**designs.axes, FRONT: shares})
+        fractions = Span(0.0, 1.0, study.criterion.points)
+        grid = replace(designs, axes={**designs.axes, FRONT: fractions})
     # What is chosen is no parameter of the result.
     return Optimisation(study, plan, grid, designs, problem, method).check_verification()
 
@@ -95,13 +99,13 @@ def _method(study: OptimiseStudy, problem: OptimisationProblem) -> str:
     return method
 
 
-def _chosen(study: OptimiseStudy, asked: Iterable[str]) -> Chosen:
-    named = (*asked, *(each.output for each in study.constraints))
-    given = (*study.values(), *study.bounds(), *study.intervals())
+def _scene_of(study: OptimiseStudy, requested: Iterable[str]) -> Chosen:
+    outputs = (*requested, *(constraint.output for constraint in study.constraints))
+    parameters = (*study.values(), *study.bounds(), *study.intervals())
     try:
-        chosen = choose_problem_scene(study.scene, study.variant, named, given)
+        chosen = choose_problem_scene(study.scene, study.variant, outputs, parameters)
     except StudyError as error:
-        raise StudyError(locate_problem(each, study) for each in error.problems) from None
+        raise StudyError(locate_problem(problem, study) for problem in error.problems) from None
     raise_any(drive_refusal(study, chosen[0]))
     return chosen
 
@@ -134,7 +138,7 @@ def _problems_of_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
         )
 
 
-def _in_si(bounds: Mapping[str, Between]) -> dict[str, tuple[float, float]]:
+def _bounds_in_si(bounds: Mapping[str, Between]) -> dict[str, tuple[float, float]]:
     ends = {}
     for name, between in bounds.items():
         lower, upper = between.lower, between.upper
@@ -155,52 +159,61 @@ def choose_problem_scene(
     then replaced by the default.
     """
     scene, chosen, problems = choose_scene(name, variant)
-    closed = {output for one in scene.variants for output in scene.outputs(one)}
+    closed = {output for variant_ in scene.variants for output in scene.outputs(variant_)}
     if name in SYSTEMS:
         system, method, _ = choose_system(name, None, parameters)
         # A wave, a drive unit and a floor that gives have equations of their own.
-        plain = system.variants[method] == SYSTEMS[name].variants[method]
-        if not plain or any(o not in closed and o in system.outputs(method) for o in outputs):
-            more = ", or ask for outputs of the closed forms alone" if plain else ""
+        is_plain = system.variants[method] == SYSTEMS[name].variants[method]
+        if not is_plain or any(
+            output not in closed and output in system.outputs(method) for output in outputs
+        ):
+            or_outputs = ", or ask for outputs of the closed forms alone" if is_plain else ""
             problem = Problem(
                 "variant",
                 "variant is given, but a simulated motion has no variants",
-                f"Remove it{more}",
+                f"Remove it{or_outputs}",
             )
             return system, method, [problem] if variant else []
     return scene, chosen, problems
 
 
-def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
+def _output_bounds(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[OutputBound]:
     if isinstance(study.criterion, Limited):
-        yield Kept(LIMIT, study.criterion.against, study.criterion.limit, True, True)
+        yield OutputBound(LIMIT, study.criterion.against, study.criterion.limit, True, True)
     switches = {"floor_contact": study.floor_contact, "wall_contact": study.wall_contact}
     for name, output in CONTACT_OUTPUTS.items():
         if switches[name] and output in scene.outputs(variant):
-            yield Kept(name, output, 0.0, upper=False)
-    for one in study.constraints:
-        for name, bound in one.ends():
-            yield Kept(name, one.output, bound, name.endswith("upper"), one.absolute)
+            yield OutputBound(name, output, 0.0, upper=False)
+    for constraint in study.constraints:
+        for name, bound in constraint.ends():
+            yield OutputBound(
+                name, constraint.output, bound, name.endswith("upper"), constraint.absolute
+            )
 
 
 def _default_bounds(
     scene: Scene, variant: str, outputs: Iterable[str], values: Mapping[str, Values]
 ) -> dict[str, Between]:
+    # 0 to 90 degrees for the drive angles that outputs need, unless given or refused by the scene.
     needed = behind(outputs, scene.producers(variant).get).keys()
-    refused = {
+    unsuitable = {
         constraint.parameters[0]
         for constraint in scene.constraints
         if constraint.variant in ("", variant)
         and len(constraint.parameters) == 1
         and not constraint.holds(0.0, np.pi / 2)
     }
-    return {n: b for n, b in ANGLES.items() if n in needed - refused and n not in values}
+    return {
+        name: bounds
+        for name, bounds in ANGLES.items()
+        if name in needed - unsuitable and name not in values
+    }
 
 
 # --- checks of several sections
 
 
-def _misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
+def _problems_of_fields(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
     criterion = study.criterion
     if isinstance(criterion, Limited) and criterion.limit < 0:
         yield Problem(
@@ -208,7 +221,10 @@ def _misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[P
             f"it is {criterion.limit:g}",
             "Give the largest absolute value, 0 or more",
         )
-    places = {f"constraints.{i}.output": one.output for i, one in enumerate(study.constraints)}
+    places = {
+        f"constraints.{number}.output": constraint.output
+        for number, constraint in enumerate(study.constraints)
+    }
     places |= {"criterion.output": criterion.output}
     places |= {"criterion.against": getattr(criterion, "against", "")}
     for place, name in places.items():
@@ -319,7 +335,8 @@ def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
         )
 
 
-def _of_other_drive(problem: Problem, scene: Scene) -> Problem:
+def _explained_by_drive(problem: Problem, scene: Scene) -> Problem:
+    # Closed forms know the plain sine only: the message says so for one of their outputs.
     producers = scene.producers(scene.default_variant)
     closed = SCENES.get(scene.name)
     if "wave" not in producers or closed is None or not problem.about:

@@ -55,7 +55,7 @@ Arrays = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Kept:
+class OutputBound:
     """A bound that an output has to keep.
 
     Attributes
@@ -96,7 +96,7 @@ class Uncertain:
         Of a mean that is no plain one.
     quantile : float
         Which quantile counts.
-    counted : int, optional
+    in_statistic : int, optional
         The number of nodes, the first ones, that a mean or a quantile counts; constraints hold at
         all nodes. All of them if None.
     """
@@ -106,7 +106,7 @@ class Uncertain:
     how: How
     weights: Array | None = None
     quantile: float = 0.5
-    counted: int | None = None
+    in_statistic: int | None = None
 
     @property
     def size(self) -> int:
@@ -115,19 +115,21 @@ class Uncertain:
 
     def with_nodes(self, values: Mapping[str, Array]) -> "Uncertain":
         """Return the same with further nodes after the others; `values` are theirs, SI units."""
-        longer = {name: np.append(one, values[name]) for name, one in self.values.items()}
-        return replace(self, values=longer)
+        extended = {
+            name: np.append(node_values, values[name]) for name, node_values in self.values.items()
+        }
+        return replace(self, values=extended)
 
-    def counts(self, values: Array, sign: float) -> Array:
+    def statistic(self, values: Array, sign: float) -> Array:
         """Return the statistic of values over uncertain parameters: least, mean or quantile.
 
         `values` has the points of the uncertain parameters along its first axis, which is taken
         away. `sign` is -1 if the sign of the output was turned, as it is minimised.
         """
-        values = values[: self.counted]
+        values = values[: self.in_statistic]
         if self.how == "quantile":
-            share = self.quantile if sign > 0 else 1 - self.quantile
-            return np.asarray(np.quantile(values, share, axis=0))
+            fraction = self.quantile if sign > 0 else 1 - self.quantile
+            return np.asarray(np.quantile(values, fraction, axis=0))
         if self.how == "worst":
             return np.asarray(values.min(axis=0))
         if self.weights is None:
@@ -147,7 +149,7 @@ class OptimisationProblem:
     bounds: Mapping[str, tuple[float, float]]
     """The lower and the upper end of each variable, SI units."""
     criterion: Criterion
-    kept: tuple[Kept, ...]
+    constraints: tuple[OutputBound, ...]
     uncertain: Uncertain | None = None
     """Parameters that are not known exactly, and what counts of an objective under them.
 
@@ -169,7 +171,7 @@ class OptimisationProblem:
         """The upper bounds, shape (variables,), SI units."""
         return np.array([upper for _, upper in self.bounds.values()])
 
-    def inside(self, unit: Array) -> Array:
+    def from_unit_box(self, unit: Array) -> Array:
         """Return points, shares of the bounds (variables, ...), in SI units; both ends exact."""
         ends = (-1, *[1] * (unit.ndim - 1))
         lower, upper = self.lower.reshape(ends), self.upper.reshape(ends)
@@ -202,10 +204,10 @@ class OptimisationProblem:
         return any(equation.takes_long for equation in self.plan.equations)
 
     @cached_property
-    def concerned(self) -> tuple[str, ...]:
+    def judged_outputs(self) -> tuple[str, ...]:
         """The outputs by which candidates are judged."""
-        kept = (kept.output for kept in self.kept)
-        names = (self.criterion.output, self.against, self.second, *kept)
+        constrained = (constraint.output for constraint in self.constraints)
+        names = (self.criterion.output, self.against, self.second, *constrained)
         return tuple(dict.fromkeys(name for name in names if name))
 
     @cached_property
@@ -217,9 +219,9 @@ class OptimisationProblem:
     @cached_property
     def bare(self) -> Plan:
         """The plan without regimes and outputs that are only reported."""
-        return self.plan.part(self.concerned)
+        return self.plan.part(self.judged_outputs)
 
-    def known(
+    def quantities(
         self,
         x: Array,
         design: Mapping[str, Array],
@@ -228,57 +230,59 @@ class OptimisationProblem:
     ) -> Arrays:
         """Return every quantity at candidates by name, parameters and outputs, in SI units."""
         plan = plan or self.plan
-        given = {name: design[name] for name in plan.parameters if name in design}
-        chosen = dict(zip(self.names, self.whole(x), strict=True))
-        return run_equations(plan, {**given, **chosen}, watch)
+        fixed = {name: design[name] for name in plan.parameters if name in design}
+        variables = dict(zip(self.names, self.with_whole_counts(x), strict=True))
+        return run_equations(plan, {**fixed, **variables}, watch)
 
-    def whole(self, x: Array) -> Array:
+    def with_whole_counts(self, x: Array) -> Array:
         """Return candidates, shape (variables, ...), with counts rounded to whole numbers."""
         counted = np.array([QUANTITIES[name].count for name in self.names])
         if not counted.any():
             return x
         return np.where(counted.reshape(-1, *[1] * (x.ndim - 1)), np.rint(x), x)
 
-    def output(self, name: str, known: Arrays) -> Array:
+    def output(self, name: str, quantities: Arrays) -> Array:
         """Return an output in the unit of studies."""
-        return np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
+        return np.asarray(from_si(name, np.asarray(quantities[name], dtype=np.float64)))
 
-    def objective(self, known: Arrays) -> Array:
+    def objective(self, quantities: Arrays) -> Array:
         """Return the value to maximise, in the unit of studies; NaN where an output has no value.
 
         It is the output, or its distance from the target, with its sign (minus to minimise it),
-        less the weight times the size of the other output. `known` has all quantities at the
+        less the weight times the size of the other output. `quantities` has all quantities at the
         candidates, SI units.
         """
-        value = self.output(self.criterion.output, known)
+        value = self.output(self.criterion.output, quantities)
         if isinstance(self.criterion, Target):
             value = np.abs(value - self.criterion.target)
         value = self.sign * value
         if self.weight and self.against:
-            value = value - self.weight * np.abs(self.output(self.against, known))
+            value = value - self.weight * np.abs(self.output(self.against, quantities))
         return value
 
-    def counted(self, x: Array, design: Mapping[str, Array]) -> Array:
+    def objective_statistic(self, x: Array, design: Mapping[str, Array]) -> Array:
         """Return the objective of candidates, or its statistic; NaN where there is none."""
         if self.uncertain is None:
-            return self.objective(self.known(x, design))
-        over = self.over(design, x)
-        values = self.objective(self.known(x, over))
-        nodes = over[next(iter(self.uncertain.values))]
-        values = np.broadcast_to(values, np.broadcast_shapes(values.shape, nodes.shape))
-        lost = np.isnan(values).any(axis=0)
-        counts = self.uncertain.counts(np.where(lost, 0.0, values), self.sign)
-        return np.where(lost, np.nan, counts)
+            return self.objective(self.quantities(x, design))
+        design_at_nodes = self.at_nodes(design, x)
+        values = self.objective(self.quantities(x, design_at_nodes))
+        node_values = design_at_nodes[next(iter(self.uncertain.values))]
+        values = np.broadcast_to(values, np.broadcast_shapes(values.shape, node_values.shape))
+        without_value = np.isnan(values).any(axis=0)
+        statistic = self.uncertain.statistic(np.where(without_value, 0.0, values), self.sign)
+        return np.where(without_value, np.nan, statistic)
 
-    def margin(self, kept: Kept, known: Arrays, design: Mapping[str, Array]) -> Array:
+    def margin(
+        self, constraint: OutputBound, quantities: Arrays, design: Mapping[str, Array]
+    ) -> Array:
         """Return the distance of an output from its bound, below 0 where it is broken.
 
-        In the unit of studies; `known` are the quantities at candidates, SI units.
+        In the unit of studies; `quantities` are the quantities at candidates, SI units.
         """
-        value = self.output(kept.output, known)
-        bound = design[LIMIT] if kept.bound is None else kept.bound
-        value = np.abs(value) if kept.absolute else value
-        return np.asarray(bound - value if kept.upper else value - bound)
+        value = self.output(constraint.output, quantities)
+        bound = design[LIMIT] if constraint.bound is None else constraint.bound
+        value = np.abs(value) if constraint.absolute else value
+        return np.asarray(bound - value if constraint.upper else value - bound)
 
     def judged(
         self,
@@ -295,26 +299,29 @@ class OptimisationProblem:
         and error count. All have the shape of the candidates and designs together.
         """
         if self.uncertain is not None:
-            design = self.over(design, x)
-        known = self.known(x, design, watch, self.bare)
+            design = self.at_nodes(design, x)
+        quantities = self.quantities(x, design, watch, self.bare)
         shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
-        value = np.broadcast_to(self.objective(known), shape)
+        value = np.broadcast_to(self.objective(quantities), shape)
         if self.second:
             value = value + TIE * scales[self.criterion.output] * np.nan_to_num(
-                self.output(self.second, known)
+                self.output(self.second, quantities)
             )
-        beyond = np.zeros(shape)
-        for kept in self.kept:
-            margin = self.margin(kept, known, design)
-            beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]
-        lost = np.isnan(value) | np.isnan(beyond)
-        value, beyond = np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond)
-        error = np.broadcast_to(self.chance_error(known), shape)
+        violation = np.zeros(shape)
+        for constraint in self.constraints:
+            margin = self.margin(constraint, quantities, design)
+            violation = violation + np.maximum(-margin, 0.0) / scales[constraint.output]
+        without_value = np.isnan(value) | np.isnan(violation)
+        value, violation = (
+            np.where(without_value, -np.inf, value),
+            np.where(without_value, np.inf, violation),
+        )
+        error = np.broadcast_to(self.chance_error(quantities), shape)
         if self.uncertain is None:
-            return value, beyond, error
-        none = np.isinf(value).any(axis=0)
-        value = self.uncertain.counts(np.where(none, 0.0, value), self.sign)
-        return np.where(none, -np.inf, value), beyond.max(axis=0), error.max(axis=0)
+            return value, violation, error
+        failed = np.isinf(value).any(axis=0)
+        value = self.uncertain.statistic(np.where(failed, 0.0, value), self.sign)
+        return np.where(failed, -np.inf, value), violation.max(axis=0), error.max(axis=0)
 
     @property
     def is_sampled(self) -> bool:
@@ -326,33 +333,33 @@ class OptimisationProblem:
         """True if the output is a mean over a motion with a known error."""
         return self.is_motion and self.criterion.output in MEAN_VELOCITIES
 
-    def longer(self, times: float = LONGEST) -> "OptimisationProblem":
-        """Return the problem with motions that do not repeat followed `times` as long.
+    def longer(self, factor: float = LONGEST) -> "OptimisationProblem":
+        """Return the problem with motions that do not repeat followed `factor` times as long.
 
         It is the problem itself if its outputs are closed forms, or if the method of motion has no
         limit of its own on the periods.
         """
         if not self.is_motion or "max_periods" not in self.plan.defaults:
             return self
-        most = times * self.plan.defaults["max_periods"]
-        plan = replace(self.plan, defaults={**self.plan.defaults, "max_periods": most})
+        max_periods = factor * self.plan.defaults["max_periods"]
+        plan = replace(self.plan, defaults={**self.plan.defaults, "max_periods": max_periods})
         return replace(self, plan=plan)
 
-    def chance_error(self, known: Arrays) -> Array:
+    def chance_error(self, quantities: Arrays) -> Array:
         """Return the statistical error of the objective at candidates, in the unit of studies.
 
         A motion that does not repeat is averaged over a limited time. It is 0 where it repeats, and
         `UNKNOWN` for other outputs than the mean velocity.
         """
-        motion = known.get("motion")
+        motion = quantities.get("motion")
         if not isinstance(motion, Motion):
             return np.zeros(())
-        error = self.error(known) if self.states_error else UNKNOWN
+        error = self.error(quantities) if self.states_error else UNKNOWN
         return np.where(motion.multiple == 0, error, 0.0)
 
-    def error(self, known: Arrays) -> Array:
+    def error(self, quantities: Arrays) -> Array:
         """Return the stated error of the mean velocity, in the unit of studies."""
-        error = known["motion"].error * known["velocity_scale"]
+        error = quantities["motion"].error * quantities["velocity_scale"]
         return np.asarray(from_si(self.criterion.output, error))
 
     @property
@@ -360,7 +367,7 @@ class OptimisationProblem:
         """The values of uncertain parameters at which a candidate is judged."""
         return 1 if self.uncertain is None else self.uncertain.size
 
-    def over(self, design: Mapping[str, Array], x: Array) -> dict[str, Array]:
+    def at_nodes(self, design: Mapping[str, Array], x: Array) -> dict[str, Array]:
         """Return designs with the nodes of the uncertain parameters added, along a new first axis.
 
         Only for a problem that has uncertain parameters.
@@ -368,19 +375,23 @@ class OptimisationProblem:
         assert self.uncertain is not None
         axes = max(x.ndim - 1, *(values.ndim for values in design.values()))
         nodes = self.uncertain.values.items()
-        return {**design, **{name: one.reshape(-1, *(1,) * axes) for name, one in nodes}}
+        return {
+            **design,
+            **{name: node_values.reshape(-1, *(1,) * axes) for name, node_values in nodes},
+        }
 
-    def safe_margin(self, kept: Kept, x: Array, design: Mapping[str, Array]) -> Array:
+    def safe_margin(self, constraint: OutputBound, x: Array, design: Mapping[str, Array]) -> Array:
         """Return the margin of a constraint at candidates, the least one over uncertain parameters.
 
         `x` are candidates, SI units, shape (variables, ...), with which `design` broadcasts.
         """
         if self.uncertain is None:
-            return self.margin(kept, self.known(x, design), design)
-        over = self.over(design, x)
-        margins = self.margin(kept, self.known(x, over), over)
-        depends = margins.ndim == over[next(iter(self.uncertain.values))].ndim
-        return np.asarray(margins.min(axis=0) if depends else margins)
+            return self.margin(constraint, self.quantities(x, design), design)
+        design_at_nodes = self.at_nodes(design, x)
+        margins = self.margin(constraint, self.quantities(x, design_at_nodes), design_at_nodes)
+        # Without a first axis over the nodes the output depends on no uncertain parameter.
+        varies = margins.ndim == design_at_nodes[next(iter(self.uncertain.values))].ndim
+        return np.asarray(margins.min(axis=0) if varies else margins)
 
     def scales(self, design: Mapping[str, Array]) -> dict[str, Array]:
         """Return the size of each output that takes part, in each design, shape (cells,), by name.
@@ -389,13 +400,13 @@ class OptimisationProblem:
         output is 0 or has no value. Violations and gaps are divided by it, so that they can be
         compared and added.
         """
-        ways = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
-        x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * ways
+        fractions = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
+        x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * fractions
         cells = cells_of(design)
-        known = self.known(x, columns(design), plan=self.bare)
+        quantities = self.quantities(x, columns(design), plan=self.bare)
         scales = {}
-        for name in self.concerned:
-            sizes = np.abs(self.output(name, known))
+        for name in self.judged_outputs:
+            sizes = np.abs(self.output(name, quantities))
             sizes = np.broadcast_to(sizes, np.broadcast_shapes(sizes.shape, (cells, 1)))
             largest = np.where(np.isfinite(sizes), sizes, 0.0).max(axis=1)
             scales[name] = np.where(largest > 0, largest, 1.0)
@@ -407,19 +418,19 @@ class OptimisationProblem:
         return np.maximum(scale, self.weight * scales[self.against]) if self.against else scale
 
     def regimes(
-        self, known: Arrays, scales: Mapping[str, Array], touching: float
+        self, quantities: Arrays, scales: Mapping[str, Array], touching: float
     ) -> dict[str, NDArray[np.int8]]:
         """Return the number of the regime at each point by each verdict, as files write it.
 
         At an optimum on the verge of lift-off the normal acceleration is a rounding of either sign:
         a contact that is to be kept counts as kept if it is within `touching` times its size.
         """
-        snapped = dict(known)
-        for kept in self.kept:
-            if kept.name in CONTACT_OUTPUTS:
-                value = np.asarray(known[kept.output])
-                near = np.abs(value) <= touching * scales[kept.output]
-                snapped[kept.output] = np.where(near, np.finfo(np.float64).tiny, value)
+        snapped = dict(quantities)
+        for constraint in self.constraints:
+            if constraint.name in CONTACT_OUTPUTS:
+                value = np.asarray(quantities[constraint.output])
+                is_touching = np.abs(value) <= touching * scales[constraint.output]
+                snapped[constraint.output] = np.where(is_touching, np.finfo(np.float64).tiny, value)
         return regimes(self.plan, snapped)
 
     def limited(self) -> "OptimisationProblem":
@@ -427,9 +438,9 @@ class OptimisationProblem:
         criterion = self.criterion
         assert isinstance(criterion, Pareto | Limited | Weighted)
         inner = Limited(output=criterion.output, against=criterion.against, limit=0.0)
-        kept = tuple(one for one in self.kept if one.name != LIMIT)
-        limit = Kept(LIMIT, criterion.against, None, upper=True, absolute=True)
-        return replace(self, criterion=inner, kept=(limit, *kept))
+        others = tuple(constraint for constraint in self.constraints if constraint.name != LIMIT)
+        limit = OutputBound(LIMIT, criterion.against, None, upper=True, absolute=True)
+        return replace(self, criterion=inner, constraints=(limit, *others))
 
 
 CONTACT_OUTPUTS: dict[str, str] = {
@@ -439,9 +450,9 @@ CONTACT_OUTPUTS: dict[str, str] = {
 """Contacts that a study may keep, and the output that is not negative then."""
 
 
-def broken_names(kept: str) -> tuple[str, str]:
+def broken_names(constraint_name: str) -> tuple[str, str]:
     """Return the names of the probability that a constraint is broken, and of its error."""
-    name = f"probability_{kept}_broken"
+    name = f"probability_{constraint_name}_broken"
     return name, f"{name}_error"
 
 
@@ -499,12 +510,12 @@ Solver = Callable[[OptimisationProblem, Mapping[str, Array], Mapping[str, Array]
 """Takes problem, designs (arrays of shape (cells,)), scales of the outputs, and a watch."""
 
 
-def statuses_of(value: Array, beyond: Array, tolerance: float = 0.0) -> NDArray[np.int8]:
+def statuses_of(value: Array, violation: Array, tolerance: float = 0.0) -> NDArray[np.int8]:
     """Return the status of best points: optimal, infeasible, or without a value, shape (cells,).
 
-    `value` are their objectives; `beyond` their violations of constraints, which `tolerance`
+    `value` are their objectives; `violation` their violations of constraints, which `tolerance`
     allows.
     """
-    status = np.where(np.isfinite(beyond), STATUS["infeasible"], STATUS["no_value"])
-    kept = (beyond <= tolerance) & np.isfinite(value)
-    return np.where(kept, STATUS["optimal"], status).astype(np.int8)
+    status = np.where(np.isfinite(violation), STATUS["infeasible"], STATUS["no_value"])
+    is_optimal = (violation <= tolerance) & np.isfinite(value)
+    return np.where(is_optimal, STATUS["optimal"], status).astype(np.int8)

@@ -56,39 +56,43 @@ def nearest(study: Study, watch: Watch | None = None) -> list[Reach]:
     reaches: list[Reach] = []
     if not isinstance(study, OptimiseStudy):
         return reaches
-    single = [
-        (one, end)
-        for one in study.constraints
+    one_sided = [
+        (constraint, end)
+        for constraint in study.constraints
         for end in ("lower", "upper")
-        if getattr(one, end) is not None
+        if getattr(constraint, end) is not None
     ]
     watch = watch or Watch()
-    for limit, end in single:
+    for limit, end in one_sided:
         if limit.absolute:
-            watch.advance(1.0 / len(single))
+            watch.advance(1.0 / len(one_sided))
             continue
         is_upper, bound = end == "upper", float(getattr(limit, end))
-        kept = [
+        others = [
             OutputLimit(
                 output=other.output, absolute=other.absolute, **{side: getattr(other, side)}
             )
-            for other, side in single
+            for other, side in one_sided
             if (other, side) != (limit, end)
         ]
         changes: dict[str, Any] = {
             "criterion": (Minimise if is_upper else Maximise)(output=limit.output),
-            "constraints": tuple(kept),
+            "constraints": tuple(others),
             "sensitivities": False,
         }
         if study.robust is not None:  # a limit holds for all units, whatever the objective counts
             changes |= {"robust": "worst", "quantile": None}
-        solved = _solved(study.model_copy(update=changes), watch.part(1.0 / len(single)))
-        if solved is not None and (solved[0] > bound if is_upper else solved[0] < bound):
-            reaches.append(Reach(limit.output, bound, solved[0], is_upper, solved[1]))
+        optimum = _best_value_and_choice(
+            study.model_copy(update=changes), watch.part(1.0 / len(one_sided))
+        )
+        if optimum is not None and (optimum[0] > bound if is_upper else optimum[0] < bound):
+            reaches.append(Reach(limit.output, bound, optimum[0], is_upper, optimum[1]))
     return reaches
 
 
-def _solved(study: OptimiseStudy, watch: Watch) -> tuple[float, dict[str, float]] | None:
+def _best_value_and_choice(
+    study: OptimiseStudy, watch: Watch
+) -> tuple[float, dict[str, float]] | None:
     # The best value and its choice; None without one, or if the study cannot be planned: it is one
     # that the program makes up to advise a user.
     try:
@@ -143,54 +147,60 @@ def ways(study: Study, watch: Watch | None = None) -> list[Way]:
     """
     if not isinstance(study, OptimiseStudy) or study.variables is None:
         return []
-    changed = {
-        "another frequency": _freed(study, "frequency", lambda f: (f / WIDER, f * WIDER)),
-        "more friction": _freed(study, "friction", lambda friction: (friction, MAX_FRICTION)),
+    candidates = {
+        "another frequency": _with_variable(study, "frequency", lambda f: (f / WIDER, f * WIDER)),
+        "more friction": _with_variable(
+            study, "friction", lambda friction: (friction, MAX_FRICTION)
+        ),
         "an elliptical drive": _with_ellipse(study),
     }
-    tried = {change: other for change, other in changed.items() if other is not None}
-    watch = (watch or Watch()).part(1.0 / max(len(tried), 1))
-    solved = {change: _solved(other, watch) for change, other in tried.items()}
-    wanted = study.criterion.output
-    return [Way(change, wanted, *found) for change, found in solved.items() if found is not None]
+    studies = {change: other for change, other in candidates.items() if other is not None}
+    watch = (watch or Watch()).part(1.0 / max(len(studies), 1))
+    optima = {change: _best_value_and_choice(other, watch) for change, other in studies.items()}
+    output = study.criterion.output
+    return [
+        Way(change, output, *optimum) for change, optimum in optima.items() if optimum is not None
+    ]
 
 
-def _freed(
+def _with_variable(
     study: OptimiseStudy, name: str, ends: Callable[[float], tuple[float, float]]
 ) -> OptimiseStudy | None:
-    given = study.values().get(name)
-    lower, upper = ends(given.value) if isinstance(given, Fixed) else (0.0, 0.0)
+    value = study.values().get(name)
+    lower, upper = ends(value.value) if isinstance(value, Fixed) else (0.0, 0.0)
     if lower >= upper:
         return None
-    return _changed(study, (name,), {name: Between(lower=lower, upper=upper)})
+    return _with_variables(study, (name,), {name: Between(lower=lower, upper=upper)})
 
 
 def _with_ellipse(study: OptimiseStudy) -> OptimiseStudy | None:
     bounds, values = study.bounds(), study.values()
-    size = bounds.get("amplitude") or values.get("amplitude")
-    largest = getattr(size, "upper", getattr(size, "value", None))
-    given = {"alpha"} & {*bounds, *values}  # such a drive has no azimuth
-    if largest is None or given or not {*OF_A_LINE} & {*bounds}:
+    amplitude = bounds.get("amplitude") or values.get("amplitude")
+    largest = getattr(amplitude, "upper", getattr(amplitude, "value", None))
+    azimuth = {"alpha"} & {*bounds, *values}  # such a drive has no azimuth
+    if largest is None or azimuth or not {*OF_A_LINE} & {*bounds}:
         return None
-    of_axis = Between(lower=0.0, upper=largest)
+    half_axis = Between(lower=0.0, upper=largest)
     ellipse = {
-        "amplitude_along_1": of_axis,
-        "amplitude_normal_1": of_axis,
+        "amplitude_along_1": half_axis,
+        "amplitude_normal_1": half_axis,
         "phase_normal_1": Between(lower=0.0, upper=360.0),
     }
-    return _changed(study, OF_A_LINE, ellipse)
+    return _with_variables(study, OF_A_LINE, ellipse)
 
 
-def _changed(
-    study: OptimiseStudy, left: Collection[str], free: Mapping[str, Between]
+def _with_variables(
+    study: OptimiseStudy, removed: Collection[str], added: Mapping[str, Between]
 ) -> OptimiseStudy:
     def without(section: Any) -> dict[str, Any]:
-        return {n: getattr(section, n) for n in section.model_fields_set if n not in left}
+        return {
+            name: getattr(section, name) for name in section.model_fields_set if name not in removed
+        }
 
     parameters, variables = study.parameters, study.variables
     assert variables is not None
     changes = {
         "parameters": parameters.model_construct(**without(parameters)),
-        "variables": variables.model_construct(**without(variables) | dict(free)),
+        "variables": variables.model_construct(**without(variables) | dict(added)),
     }
     return study.model_copy(update=changes)

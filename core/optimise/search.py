@@ -66,22 +66,22 @@ class Candidates(NamedTuple):
     """
 
     unit: Array
-    beyond: Array
+    violation: Array
     value: Array
     error: Array
 
     def best(self) -> NDArray[np.intp]:
         """Return the index of the best point of each design, shape (cells,)."""
-        return np.lexsort((-self.value, self.beyond), axis=-1)[:, 0]
+        return np.lexsort((-self.value, self.violation), axis=-1)[:, 0]
 
     def at(self, indices: NDArray[np.intp]) -> "Candidates":
         """Return the points at indices, shape (cells, k)."""
-        rows = (np.take_along_axis(one, indices, axis=1) for one in self[1:])
+        rows = (np.take_along_axis(array, indices, axis=1) for array in self[1:])
         return Candidates(np.take_along_axis(self.unit, indices[None], axis=2), *rows)
 
     def of(self, cells: Any) -> "Candidates":
         """Return the points of some designs."""
-        return Candidates(self.unit[:, cells], *(one[cells] for one in self[1:]))
+        return Candidates(self.unit[:, cells], *(array[cells] for array in self[1:]))
 
 
 Judge = Callable[[Array, NDArray[np.intp]], Candidates]
@@ -107,7 +107,7 @@ class SearchResult(NamedTuple):
         self.done[cells] = other.done
 
 
-def _nothing(variables: int, cells: int) -> SearchResult:
+def _empty_result(variables: int, cells: int) -> SearchResult:
     unit, rest = np.full((variables, cells, 1), np.nan), np.full((3, cells, 1), np.nan)
     return SearchResult(
         Candidates(unit, *rest), np.zeros(cells, np.int64), np.zeros(cells, np.bool_)
@@ -127,12 +127,14 @@ def by_search(
     points are then followed again, over a longer time.
     """
     cells = cells_of(design)
-    step = max(1, CELLS * NODES // max(NODES, problem.nodes))
+    designs_at_a_time = max(1, CELLS * NODES // max(NODES, problem.nodes))
     pieces = []
-    for start in range(0, cells, step):
-        piece = slice(start, start + step)
-        here = chosen_cells(design, piece), chosen_cells(scales, piece)
-        pieces.append(_of_piece(problem, *here, watch.part(cells_of(here[0]) / cells)))
+    for start in range(0, cells, designs_at_a_time):
+        piece = slice(start, start + designs_at_a_time)
+        arguments = chosen_cells(design, piece), chosen_cells(scales, piece)
+        pieces.append(
+            _search_piece(problem, *arguments, watch.part(cells_of(arguments[0]) / cells))
+        )
     return Optima(
         np.concatenate([piece.x for piece in pieces], axis=1),
         np.concatenate([piece.status for piece in pieces]),
@@ -140,32 +142,34 @@ def by_search(
     )
 
 
-def _of_piece(
+def _search_piece(
     problem: OptimisationProblem,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     watch: Watch,
 ) -> Optima:
-    quiet = replace(watch, progress=None)
+    # Differential evolution in the unit box, by functions that judge points of some designs, and
+    # choose the best point of a design whose values are uncertain.
+    silent = replace(watch, progress=None)
 
     def judge(unit: Array, cells: NDArray[np.intp]) -> Candidates:
-        here = columns(chosen_cells(design, cells)), columns(chosen_cells(scales, cells))
-        value, beyond, error = problem.judged(problem.inside(unit), *here, quiet)
-        return Candidates(unit, beyond, value, np.broadcast_to(error, value.shape))
+        arguments = columns(chosen_cells(design, cells)), columns(chosen_cells(scales, cells))
+        value, violation, error = problem.judged(problem.from_unit_box(unit), *arguments, silent)
+        return Candidates(unit, violation, value, np.broadcast_to(error, value.shape))
 
-    def choose(seen: Candidates, cell: int) -> int:
-        here = chosen_cells(design, [cell]), chosen_cells(scales, [cell])
-        unit, beyond, value, error = seen
-        return most_reliable(problem, unit[:, 0], (value[0], beyond[0], error[0]), *here)[0]
+    def choose(candidates: Candidates, cell: int) -> int:
+        arguments = chosen_cells(design, [cell]), chosen_cells(scales, [cell])
+        unit, violation, value, error = candidates
+        return most_reliable(problem, unit[:, 0], (value[0], violation[0], error[0]), *arguments)[0]
 
     result = best_points(
         judge, len(problem.names), cells_of(design), watch,
         jumps=problem.is_motion, choose=choose,
     )  # fmt: skip
     best = result.best
-    status = statuses_of(best.value[:, 0], best.beyond[:, 0])
+    status = statuses_of(best.value[:, 0], best.violation[:, 0])
     status = np.where(result.done, status, np.int8(STATUS["not_computed"]))
-    x = np.where(status == STATUS["optimal"], problem.inside(best.unit[:, :, 0]), np.nan)
+    x = np.where(status == STATUS["optimal"], problem.from_unit_box(best.unit[:, :, 0]), np.nan)
     return Optima(x, status, evaluations=result.evaluations)
 
 
@@ -187,103 +191,130 @@ def best_points(
 
     Where outputs jump, populations start again around the best point, in ever smaller boxes.
     """
-    result = _nothing(variables, cells)
+    result = _empty_result(variables, cells)
     members = (TIMES_MOTION if jumps else 1) * (MEMBERS + 8 * variables)
-    first = _first(judge, variables, np.arange(cells))
-    is_rough = (first.error > 0).mean(axis=1) > ROUGH
-    smooth = np.flatnonzero(~is_rough)
-    if smooth.size and not watch.stopped():
-        part = watch.part(smooth.size / cells)
-        solved = _closed_in(
-            lambda unit, numbers: judge(unit, smooth[numbers]), first.of(smooth), members, part,
-            MAX_GENERATIONS, jumps=jumps,
+    first = _first_candidates(judge, variables, np.arange(cells))
+    is_noisy = (first.error > 0).mean(axis=1) > ROUGH
+    smooth_cells = np.flatnonzero(~is_noisy)
+    if smooth_cells.size and not watch.stopped():
+        part_watch = watch.part(smooth_cells.size / cells)
+        solved = _search_and_refine(
+            lambda unit, numbers: judge(unit, smooth_cells[numbers]), first.of(smooth_cells),
+            members, part_watch, MAX_GENERATIONS, jumps=jumps,
         )  # fmt: skip
-        result.put(smooth, solved)
-    for cell in np.flatnonzero(is_rough | (result.best.error[:, 0] > 0)).tolist():
+        result.put(smooth_cells, solved)
+    for cell in np.flatnonzero(is_noisy | (result.best.error[:, 0] > 0)).tolist():
         if watch.stopped():
             break
-        seen = [first.of([cell])]
+        evaluated = [first.of([cell])]
 
         def judge_and_keep(
-            unit: Array, _: NDArray[np.intp], cell: int = cell, seen: list[Candidates] = seen
+            unit: Array,
+            _: NDArray[np.intp],
+            cell: int = cell,
+            evaluated: list[Candidates] = evaluated,
         ) -> Candidates:
-            seen.append(judge(unit, np.array([cell])))
-            return seen[-1]
+            evaluated.append(judge(unit, np.array([cell])))
+            return evaluated[-1]
 
-        part = watch.part(is_rough[cell] / cells)
-        most = ROUGH_GENERATIONS * variables
-        solved = _closed_in(judge_and_keep, seen[0], members, part, most, jumps=jumps)
+        part_watch = watch.part(is_noisy[cell] / cells)
+        max_generations = ROUGH_GENERATIONS * variables
+        solved = _search_and_refine(
+            judge_and_keep, evaluated[0], members, part_watch, max_generations, jumps=jumps
+        )
         if choose is not None and solved.done.all():
             points = Candidates(
-                *(np.concatenate(part, axis=-1) for part in zip(*seen, strict=True))
+                *(np.concatenate(arrays, axis=-1) for arrays in zip(*evaluated, strict=True))
             )
             solved = solved._replace(best=points.at(np.array([[choose(points, cell)]])))
         result.put([cell], solved)
     return result
 
 
-def _closed_in(
-    judge: Judge, first: Candidates, members: int, watch: Watch, most: int, *, jumps: bool
+def _search_and_refine(
+    judge: Judge,
+    first: Candidates,
+    members: int,
+    watch: Watch,
+    max_generations: int,
+    *,
+    jumps: bool,
 ) -> SearchResult:
     variables, cells, _ = first.unit.shape
-    every = np.arange(cells)
-    share = 0.7 if jumps else 1.0
-    result = _evolved(judge, _chosen(first, members), every, watch.part(share), most, jumps=jumps)
+    all_cells = np.arange(cells)
+    search_fraction = 0.7 if jumps else 1.0
+    result = _evolve(
+        judge,
+        _first_population(first, members),
+        all_cells,
+        watch.part(search_fraction),
+        max_generations,
+        jumps=jumps,
+    )
     result.evaluations[:] += first.unit.shape[2]
     random = np.random.default_rng(SEED + 1)
+    # Jumps leave a population stuck: search again in ever smaller boxes around the best point.
     for width in CLOSER if jumps else ():
-        again = every[result.done]
-        if not again.size or watch.stopped():
+        finished = all_cells[result.done]
+        if not finished.size or watch.stopped():
             break
-        away = width * random.uniform(-1, 1, (variables, 1, MEMBERS + 8 * variables))
-        away[:, :, 0] = 0.0
-        start = judge(np.clip(result.best.unit[:, again] + away, 0.0, 1.0), again)
-        part = watch.part((1 - share) / len(CLOSER))
-        result.evaluations[again] += start.unit.shape[2]
-        result.put(again, _evolved(judge, start, again, part, most, jumps=jumps))
+        offsets = width * random.uniform(-1, 1, (variables, 1, MEMBERS + 8 * variables))
+        offsets[:, :, 0] = 0.0  # the best point itself
+        start = judge(np.clip(result.best.unit[:, finished] + offsets, 0.0, 1.0), finished)
+        part_watch = watch.part((1 - search_fraction) / len(CLOSER))
+        result.evaluations[finished] += start.unit.shape[2]
+        result.put(
+            finished, _evolve(judge, start, finished, part_watch, max_generations, jumps=jumps)
+        )
     return result
 
 
-def _evolved(
+def _evolve(
     judge: Judge,
     start: Candidates,
     cells: NDArray[np.intp],
     watch: Watch,
-    most: int,
+    max_generations: int,
     *,
     jumps: bool,
 ) -> SearchResult:
     variables, count, members = start.unit.shape
     random = np.random.default_rng(SEED)
-    result = _nothing(variables, count)
+    result = _empty_result(variables, count)
     alive, points, reported = np.arange(count), start, 0.0
-    for generation in range(1, most + 1):
+    for generation in range(1, max_generations + 1):
         if watch.stopped():
             break
-        new = judge(_trial(points, random), cells[alive])
+        new = judge(_trial_points(points, random), cells[alive])
         if watch.stopped():
             break  # motions that were not followed have no value
-        better = (new.beyond < points.beyond) | (
-            (new.beyond == points.beyond) & (new.value >= points.value)
+        better = (new.violation < points.violation) | (
+            (new.violation == points.violation) & (new.value >= points.value)
         )
-        points = Candidates(*(np.where(better, *two) for two in zip(new, points, strict=True)))
+        points = Candidates(*(np.where(better, *pair) for pair in zip(new, points, strict=True)))
         widths = (points.unit.max(axis=2) - points.unit.min(axis=2)).max(axis=0)
-        last = generation == most
-        orders = np.log(np.clip(widths, SMALL, 1.0)) / np.log(SMALL)
-        share = 1.0 if last else float(1 - (widths.size - orders.sum()) / count)
-        if share > reported:
-            watch.advance(share - reported)
-            reported = share
-        ended = (widths < SMALL) | last
-        level, width = LEVEL_JUMPS if jumps else LEVEL
+        is_last = generation == max_generations
+        # 0 for a population as wide as the box, 1 for one of the width `SMALL`.
+        converged = np.log(np.clip(widths, SMALL, 1.0)) / np.log(SMALL)
+        progress = 1.0 if is_last else float(1 - (widths.size - converged.sum()) / count)
+        if progress > reported:
+            watch.advance(progress - reported)
+            reported = progress
+        ended = (widths < SMALL) | is_last
+        value_tolerance, width_tolerance = LEVEL_JUMPS if jumps else LEVEL
         high, low = points.value.max(axis=1), points.value.min(axis=1)
-        is_level = (low >= high - level * np.abs(high)) & (points.beyond.max(axis=1) <= 0)
-        ended |= is_level & (widths < width)
+        # All members feasible and of almost the same value: a smooth top is met.
+        is_level = (low >= high - value_tolerance * np.abs(high)) & (
+            points.violation.max(axis=1) <= 0
+        )
+        ended |= is_level & (widths < width_tolerance)
         if ended.any():
-            top = points.of(ended)
-            used = np.full(int(ended.sum()), members * generation, dtype=np.int64)
-            done = np.ones(used.size, dtype=np.bool_)
-            result.put(alive[ended], SearchResult(top.at(top.best()[:, None]), used, done))
+            finished = points.of(ended)
+            evaluations = np.full(int(ended.sum()), members * generation, dtype=np.int64)
+            done = np.ones(evaluations.size, dtype=np.bool_)
+            result.put(
+                alive[ended], SearchResult(finished.at(finished.best()[:, None]), evaluations, done)
+            )
             alive, points = alive[~ended], points.of(~ended)
             if not alive.size:
                 watch.advance(1.0 - reported)
@@ -291,49 +322,54 @@ def _evolved(
     return result
 
 
-def _first(judge: Judge, variables: int, cells: NDArray[np.intp]) -> Candidates:
+def _first_candidates(judge: Judge, variables: int, cells: NDArray[np.intp]) -> Candidates:
     corners = np.stack(np.meshgrid(*[[0.0, 1.0]] * variables, indexing="ij"))
     points = np.concatenate([corners.reshape(variables, -1), spread(SAMPLES, variables)], axis=1)
     points = points[:, None, :SAMPLES]
-    wide = judge(np.broadcast_to(points, (variables, cells.size, SAMPLES)), cells)
-    near = wide.beyond <= wide.beyond.min(axis=1, keepdims=True)
-    apart = SAMPLES ** (-1 / variables)
-    low = np.where(near, wide.unit, np.inf).min(axis=2, keepdims=True) - apart
-    high = np.where(near, wide.unit, -np.inf).max(axis=2, keepdims=True) + apart
+    over_the_box = judge(np.broadcast_to(points, (variables, cells.size, SAMPLES)), cells)
+    # Sample once more in the region in which the points violate the constraints least.
+    least_violating = over_the_box.violation <= over_the_box.violation.min(axis=1, keepdims=True)
+    spacing = SAMPLES ** (-1 / variables)
+    low = np.where(least_violating, over_the_box.unit, np.inf).min(axis=2, keepdims=True) - spacing
+    high = (
+        np.where(least_violating, over_the_box.unit, -np.inf).max(axis=2, keepdims=True) + spacing
+    )
     low, high = np.maximum(low, 0.0), np.minimum(high, 1.0)
-    close = judge(low + (high - low) * points, cells)
-    return Candidates(*(np.concatenate(two, axis=-1) for two in zip(close, wide, strict=True)))
+    in_the_region = judge(low + (high - low) * points, cells)
+    return Candidates(
+        *(np.concatenate(pair, axis=-1) for pair in zip(in_the_region, over_the_box, strict=True))
+    )
 
 
-def _chosen(points: Candidates, members: int) -> Candidates:
-    order = np.lexsort((-points.value, points.beyond), axis=-1)[:, : members // 2]
+def _first_population(points: Candidates, members: int) -> Candidates:
+    order = np.lexsort((-points.value, points.violation), axis=-1)[:, : members // 2]
     rest = np.broadcast_to(np.arange(members - members // 2), (len(order), members - members // 2))
     return points.at(np.concatenate([order, rest], axis=1))
 
 
-def _trial(points: Candidates, random: np.random.Generator) -> Array:
+def _trial_points(points: Candidates, random: np.random.Generator) -> Array:
     unit = points.unit
-    count, _, members = unit.shape
+    variables, _, members = unit.shape
     best = np.take_along_axis(unit, points.best()[None, :, None], axis=2)
 
-    def others() -> NDArray[np.intp]:
+    def random_others() -> NDArray[np.intp]:
         return (np.arange(members) + random.integers(1, members, size=members)) % members
 
-    first, second = others(), others()
-    share = random.uniform(0.4, 1.0, members)
-    # Half go towards the best, half do their own search: the rest keeps hills apart.
-    towards = np.where(random.random(members) < 0.5, share, 0.0)
-    base = np.where(towards > 0, unit, unit[:, :, others()])
-    moved = base + towards * (best - base) + share * (unit[:, :, first] - unit[:, :, second])
-    crossed = random.random((count, 1, members)) < CROSSED
-    crossed[random.integers(count, size=members), 0, np.arange(members)] = True
-    return np.clip(np.where(crossed, moved, unit), 0.0, 1.0)
+    first, second = random_others(), random_others()
+    factor = random.uniform(0.4, 1.0, members)
+    # Half of the members move towards the best; the others keep separate hills populated.
+    towards_best = np.where(random.random(members) < 0.5, factor, 0.0)
+    base = np.where(towards_best > 0, unit, unit[:, :, random_others()])
+    mutant = base + towards_best * (best - base) + factor * (unit[:, :, first] - unit[:, :, second])
+    is_crossed = random.random((variables, 1, members)) < CROSSED
+    is_crossed[random.integers(variables, size=members), 0, np.arange(members)] = True
+    return np.clip(np.where(is_crossed, mutant, unit), 0.0, 1.0)
 
 
 # --- points that fill a box
 
 
-def filled(variables: int, cells: int, points: int) -> Array:
+def box_points(variables: int, cells: int, points: int) -> Array:
     """Return points that fill the unit box, shape (variables, n), about `points` of them.
 
     They are a grid, or an evenly spread sequence for more than four variables, where so coarse a
@@ -342,8 +378,8 @@ def filled(variables: int, cells: int, points: int) -> Array:
     """
     if variables > MAX_GRIDDED:
         return spread(points, variables)
-    width = max(5, min(201, int(min(points, MAX_POINTS / cells) ** (1 / variables))))
-    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, width)] * variables, indexing="ij"))
+    per_variable = max(5, min(201, int(min(points, MAX_POINTS / cells) ** (1 / variables))))
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, per_variable)] * variables, indexing="ij"))
     return grid.reshape(variables, -1)
 
 
@@ -364,28 +400,30 @@ def most_reliable(
     is taken. Points that keep the constraints come first. The objective is -inf if no point has a
     value.
     """
-    value, beyond, chance_error = judged
-    best = int(np.lexsort((-value, beyond))[0])
+    value, violation, chance_error = judged
+    best = int(np.lexsort((-value, violation))[0])
     if not np.isfinite(value[best]) or chance_error[best] == 0:
         return best, float(value[best])
-    open_ = np.flatnonzero((beyond <= beyond[best]) & np.isfinite(value))
-    cells = np.minimum((unit[:, open_] * NICHES).astype(np.int64), NICHES - 1)
-    unsure = _known(chance_error[open_])
-    ranked = [_best_of_cells(cells, value[open_] - share * unsure) for share in SHARES]
-    chosen = open_[np.unique(np.concatenate(ranked))]
-    for times, most in ROUNDS:
-        x = problem.inside(unit[:, chosen])
-        again, violation, unsure = problem.longer(times).judged(x, design, scales)
-        kept = np.lexsort((_known(unsure) - again, violation))[:most]
-        chosen = chosen[kept]
-    return int(chosen[0]), float(again[kept[0]])
+    competing = np.flatnonzero((violation <= violation[best]) & np.isfinite(value))
+    cells = np.minimum((unit[:, competing] * NICHES).astype(np.int64), NICHES - 1)
+    error = _known_errors(chance_error[competing])
+    # Candidates to follow longer: the best in each cell of a grid, ranked by value less a fraction
+    # of its error.
+    ranked = [_best_of_each_cell(cells, value[competing] - fraction * error) for fraction in SHARES]
+    chosen = competing[np.unique(np.concatenate(ranked))]
+    for factor, max_kept in ROUNDS:
+        x = problem.from_unit_box(unit[:, chosen])
+        value_again, violation, error = problem.longer(factor).judged(x, design, scales)
+        order = np.lexsort((_known_errors(error) - value_again, violation))[:max_kept]
+        chosen = chosen[order]
+    return int(chosen[0]), float(value_again[order[0]])
 
 
-def _known(chance_error: Array) -> Array:
+def _known_errors(chance_error: Array) -> Array:
     return np.where(chance_error < UNKNOWN, chance_error, 0.0)
 
 
-def _best_of_cells(cells: NDArray[np.int64], value: Array) -> NDArray[np.intp]:
+def _best_of_each_cell(cells: NDArray[np.int64], value: Array) -> NDArray[np.intp]:
     order = np.argsort(-value, kind="stable")
     _, first = np.unique(cells[:, order], axis=1, return_index=True)
     return order[np.sort(first)][:FOLLOWED]

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from vibrafeed.core.mechanics.arrays import Array, Mask
 from vibrafeed.core.optimise.problem import (
     How,
-    Kept,
     OptimisationProblem,
+    OutputBound,
     Uncertain,
     cells_of,
     chosen_cells,
@@ -26,11 +26,11 @@ from vibrafeed.core.plan.grid import parameter_to_si
 from vibrafeed.core.plan.statistics import (
     REPLICATES,
     Estimate,
+    fraction_of,
     mean_and_deviation,
     points,
     probability,
     quantiles,
-    share,
     values_at,
 )
 from vibrafeed.core.study.distributions import Distribution, tolerance
@@ -59,22 +59,23 @@ def uncertain_of(
     have points that are sampled once for all candidates, or those of Gauss for the mean over one
     interval; if limits are to be kept, the points of the box come after them.
     """
-    (name, law), *others = distributions.items()
-    share = 0.5 if quantile is None else quantile
+    (name, distribution), *others = distributions.items()
+    level = 0.5 if quantile is None else quantile
     weights = None
     if how == "worst":
-        return Uncertain(distributions, _box(distributions), how)
-    if how == "mean" and not others and isinstance(law, Between):
-        low, high = parameter_to_si(name, np.array([law.lower, law.upper]))
+        return Uncertain(distributions, _tolerance_box(distributions), how)
+    if how == "mean" and not others and isinstance(distribution, Between):
+        low, high = parameter_to_si(name, np.array([distribution.lower, distribution.upper]))
+        # Gauss-Legendre quadrature, whose weights add up to 2.
         roots, weights = np.polynomial.legendre.leggauss(NODES)
         values, weights = {name: low + (high - low) * (roots + 1) / 2}, weights / 2
     else:
-        count = samples_of(how, share)
+        count = samples_of(how, level)
         values = values_at(distributions, points(len(distributions), count, SEED)[:, 0])
-    uncertain = Uncertain(distributions, values, how, weights, share)
+    uncertain = Uncertain(distributions, values, how, weights, level)
     if not is_limited:
         return uncertain
-    return replace(uncertain.with_nodes(_box(distributions)), counted=uncertain.size)
+    return replace(uncertain.with_nodes(_tolerance_box(distributions)), in_statistic=uncertain.size)
 
 
 def samples_of(how: How, quantile: float) -> int:
@@ -83,17 +84,19 @@ def samples_of(how: How, quantile: float) -> int:
     return max(SAMPLES, 1 << math.ceil(math.log2(BEYOND / rare)))
 
 
-def _box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
+def _tolerance_box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
+    # All combinations of evenly spaced values of the tolerances, SI units; of the two ends alone
+    # the middle is added.
     count = len(distributions)
-    shares = np.linspace(0.0, 1.0, LEVELS.get(count, 2))
-    nodes = np.array(list(product(shares, repeat=count)))
-    if shares.size == 2:
+    levels = np.linspace(0.0, 1.0, LEVELS.get(count, 2))
+    nodes = np.array(list(product(levels, repeat=count)))
+    if levels.size == 2:
         nodes = np.concatenate([nodes, np.full((1, count), 0.5)])
-    bounds = {}
-    for (name, one), places in zip(distributions.items(), nodes.T, strict=True):
-        lower, upper = tolerance(name, one)
-        bounds[name] = parameter_to_si(name, lower + (upper - lower) * places)
-    return bounds
+    values = {}
+    for (name, distribution), fractions in zip(distributions.items(), nodes.T, strict=True):
+        lower, upper = tolerance(name, distribution)
+        values[name] = parameter_to_si(name, lower + (upper - lower) * fractions)
+    return values
 
 
 TIMES, TIMES_MOTION = 16, 4  # the points of a search in each scrambling; motions take long
@@ -105,7 +108,7 @@ OBJECTIVE = "objective"
 
 
 @dataclass(frozen=True)
-class Afresh:
+class FreshEvaluation:
     """Optima judged at fresh points of the uncertain parameters; arrays of shape (cells,).
 
     Attributes
@@ -133,7 +136,7 @@ class Afresh:
     worst: Mapping[str, Array]
     worst_at: Mapping[str, NDArray[np.intp]]
 
-    def surprises(
+    def worse_than_nodes(
         self,
         problem: OptimisationProblem,
         x: Array,
@@ -143,136 +146,156 @@ class Afresh:
         """Return the designs in which fresh points are worse than the nodes of the search.
 
         They break a constraint, or, of closed forms, have a worse worst case. Arguments as in
-        `judged_afresh`.
+        `evaluated_at_fresh_points`.
         """
-        lost = np.isnan(x).any(axis=0)
+        without_optimum = np.isnan(x).any(axis=0)
         worse = {
-            kept.name: (self.worst[kept.name] < -CLOSE * scales[kept.output]) & ~lost
-            for kept in problem.kept
+            constraint.name: (self.worst[constraint.name] < -CLOSE * scales[constraint.output])
+            & ~without_optimum
+            for constraint in problem.constraints
         }
-        broken: Mask = np.any([*worse.values(), np.zeros_like(lost)], axis=0)
+        broken: Mask = np.any([*worse.values(), np.zeros_like(without_optimum)], axis=0)
         if OBJECTIVE in self.worst and not problem.is_motion:
-            told = problem.judged(some(problem, x), design, scales)[0]
-            worse[OBJECTIVE] = self.worst[OBJECTIVE] < told - CLOSE * problem.scale(scales)
-            worse[OBJECTIVE] &= ~lost
+            by_nodes = problem.judged(lower_bounds_where_missing(problem, x), design, scales)[0]
+            worse[OBJECTIVE] = self.worst[OBJECTIVE] < by_nodes - CLOSE * problem.scale(scales)
+            worse[OBJECTIVE] &= ~without_optimum
         cells = np.flatnonzero(np.any([*worse.values(), broken], axis=0)).tolist()
-        chosen = {
-            cell: np.concatenate([self.worst_at[n][cell] for n, at in worse.items() if at[cell]])
+        worst_points = {
+            cell: np.concatenate(
+                [self.worst_at[name][cell] for name, is_worse in worse.items() if is_worse[cell]]
+            )
             for cell in cells
         }
         return broken, {
-            cell: {name: values[at] for name, values in self.points.items()}
-            for cell, at in chosen.items()
+            cell: {name: values[indices] for name, values in self.points.items()}
+            for cell, indices in worst_points.items()
         }
 
     def at_worst(self, name: str) -> dict[str, Array]:
         """Return the uncertain parameters at the worst points, SI units, shape (sets, cells)."""
-        return {one: values[self.worst_at[name].T] for one, values in self.points.items()}
+        return {
+            parameter: values[self.worst_at[name].T] for parameter, values in self.points.items()
+        }
 
 
-def pictured(problem: OptimisationProblem) -> OptimisationProblem:
+def with_fresh_nodes(problem: OptimisationProblem) -> OptimisationProblem:
     """Return a problem whose nodes are one scrambling of the fresh points, to draw it.
 
     The worst case, and motions, which take long, keep their nodes.
     """
     if problem.uncertain is None or not problem.is_sampled or problem.is_motion:
         return problem
-    fresh, _ = _fresh(problem.uncertain, False, SEED + 1)
-    values = {name: one[: fresh.size // REPLICATES] for name, one in fresh.values.items()}
+    fresh, _ = _fresh_points(problem.uncertain, False, SEED + 1)
+    values = {name: numbers[: fresh.size // REPLICATES] for name, numbers in fresh.values.items()}
     return replace(problem, uncertain=replace(fresh, values=values))
 
 
-def some(problem: OptimisationProblem, x: Array) -> Array:
+def lower_bounds_where_missing(problem: OptimisationProblem, x: Array) -> Array:
     """Return choices with the lower bounds where there is no optimum, so that all have outputs."""
     return np.where(np.isnan(x).any(axis=0), problem.lower[:, None], x)
 
 
-def judged_afresh(
+def evaluated_at_fresh_points(
     problem: OptimisationProblem,
     x: Array,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     tolerance: float,
     number: int = 1,
-) -> Afresh:
-    """Return statistic, margins and broken shares of choices at fresh uncertain parameters."""
+) -> FreshEvaluation:
+    """Return statistic, margins and broken fractions of choices at fresh uncertain parameters."""
     assert problem.uncertain is not None
-    x = some(problem, x)
-    fresh, inside = _fresh(problem.uncertain, problem.is_motion, SEED + number)
-    again = replace(problem, uncertain=fresh)
-    cells, step = cells_of(design), max(1, BLOCK // fresh.size)
-    pieces = [slice(start, start + step) for start in range(0, cells, step)]
+    x = lower_bounds_where_missing(problem, x)
+    fresh, in_tolerances = _fresh_points(problem.uncertain, problem.is_motion, SEED + number)
+    problem_at_points = replace(problem, uncertain=fresh)
+    cells, cells_at_a_time = cells_of(design), max(1, BLOCK // fresh.size)
+    pieces = [slice(start, start + cells_at_a_time) for start in range(0, cells, cells_at_a_time)]
     parts = [
-        _judged(again, x[:, piece], chosen_cells(design, piece), inside,
+        _evaluated_piece(problem_at_points, x[:, piece], chosen_cells(design, piece), in_tolerances,
                 {n: tolerance * size[piece] for n, size in scales.items()})
         for piece in pieces
     ]  # fmt: skip
 
-    def joined(parts: list[Estimate]) -> Estimate:
-        return Estimate(*(np.concatenate(one) for one in zip(*parts, strict=True)))
+    def joined_estimates(parts: list[Estimate]) -> Estimate:
+        return Estimate(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
-    return Afresh(
+    return FreshEvaluation(
         fresh.values,
-        joined([part.objective for part in parts]),
+        joined_estimates([part.objective for part in parts]),
         np.concatenate([part.left_out for part in parts]),
-        {name: joined([part.broken[name] for part in parts]) for name in parts[0].broken},
+        {name: joined_estimates([part.broken[name] for part in parts]) for name in parts[0].broken},
         {name: np.concatenate([part.worst[name] for part in parts]) for name in parts[0].worst},
-        {name: np.concatenate([p.worst_at[name] for p in parts]) for name in parts[0].worst},
+        {name: np.concatenate([part.worst_at[name] for part in parts]) for name in parts[0].worst},
     )
 
 
-def _fresh(uncertain: Uncertain, is_motion: bool, seed: int) -> tuple[Uncertain, Mask]:
-    laws = uncertain.distributions
-    times = TIMES_MOTION if is_motion else TIMES
-    count = times * samples_of(uncertain.how, uncertain.quantile)
-    shares = points(len(laws), count, seed, REPLICATES).reshape(len(laws), -1)
-    values = values_at(laws, shares)
-    inside = np.ones(shares.shape[1], dtype=np.bool_)
-    for name, law in laws.items():
-        lower, upper = parameter_to_si(name, np.array(tolerance(name, law)))
-        inside &= (values[name] >= lower) & (values[name] <= upper)
-    return replace(uncertain, values=values, weights=None, counted=None), inside
+def _fresh_points(uncertain: Uncertain, is_motion: bool, seed: int) -> tuple[Uncertain, Mask]:
+    # New points in scramblings of their own, and which of them are within all tolerances.
+    distributions = uncertain.distributions
+    factor = TIMES_MOTION if is_motion else TIMES
+    count = factor * samples_of(uncertain.how, uncertain.quantile)
+    fractions = points(len(distributions), count, seed, REPLICATES).reshape(len(distributions), -1)
+    values = values_at(distributions, fractions)
+    in_tolerances = np.ones(fractions.shape[1], dtype=np.bool_)
+    for name, distribution in distributions.items():
+        lower, upper = parameter_to_si(name, np.array(tolerance(name, distribution)))
+        in_tolerances &= (values[name] >= lower) & (values[name] <= upper)
+    return replace(uncertain, values=values, weights=None, in_statistic=None), in_tolerances
 
 
-def _judged(
+def _evaluated_piece(
     problem: OptimisationProblem,
     x: Array,
     design: Mapping[str, Array],
-    inside: Mask,
-    left: Mapping[str, Array],
-) -> Afresh:
+    in_tolerances: Mask,
+    allowed: Mapping[str, Array],
+) -> FreshEvaluation:
     uncertain = problem.uncertain
     assert uncertain is not None
-    over = problem.over(design, x)
-    known = problem.known(x, over, plan=problem.bare)
+    design_at_points = problem.at_nodes(design, x)
+    quantities = problem.quantities(x, design_at_points, plan=problem.bare)
     shape = (cells_of(design), uncertain.size)
 
-    def of_cells(values: Array) -> Array:
+    def by_cell(values: Array) -> Array:
         return np.broadcast_to(values, shape[::-1]).T
 
-    values = of_cells(problem.objective(known))
-    margins = {kept.name: of_cells(problem.margin(kept, known, over)) for kept in problem.kept}
+    values = by_cell(problem.objective(quantities))
+    margins = {
+        constraint.name: by_cell(problem.margin(constraint, quantities, design_at_points))
+        for constraint in problem.constraints
+    }
     ranked = dict(margins)
     if uncertain.how == "worst":
         ranked[OBJECTIVE] = values
+    # Points beyond the tolerances do not count as a worst case; one without a value is the worst.
     ranked = {
-        name: np.where(inside, np.where(np.isnan(one), -np.inf, one), np.inf)
-        for name, one in ranked.items()
+        name: np.where(
+            in_tolerances, np.where(np.isnan(values_of_one), -np.inf, values_of_one), np.inf
+        )
+        for name, values_of_one in ranked.items()
     }
-    sets = (shape[0], REPLICATES, -1)
-    first = np.arange(0, uncertain.size, uncertain.size // REPLICATES)
-    at = {name: first + one.reshape(sets).argmin(axis=2) for name, one in ranked.items()}
-    kept_by: dict[str, Kept] = {kept.name: kept for kept in problem.kept}
-    return Afresh(
+    # Each scrambling of the points is a set of its own, along the second axis.
+    in_sets = (shape[0], REPLICATES, -1)
+    set_starts = np.arange(0, uncertain.size, uncertain.size // REPLICATES)
+    worst_at = {
+        name: set_starts + values_of_one.reshape(in_sets).argmin(axis=2)
+        for name, values_of_one in ranked.items()
+    }
+    bounds: dict[str, OutputBound] = {
+        constraint.name: constraint for constraint in problem.constraints
+    }
+    return FreshEvaluation(
         uncertain.values,
-        _objective(uncertain, values.reshape(sets), problem.sign),
-        np.asarray(share(np.isnan(values.reshape(sets)))),
+        _objective(uncertain, values.reshape(in_sets), problem.sign),
+        np.asarray(fraction_of(np.isnan(values.reshape(in_sets)))),
         {
-            name: probability(~(one >= -left[kept_by[name].output][:, None]).reshape(sets))
-            for name, one in margins.items()
+            name: probability(
+                ~(values_of_one >= -allowed[bounds[name].output][:, None]).reshape(in_sets)
+            )
+            for name, values_of_one in margins.items()
         },
-        {name: one.min(axis=1) for name, one in ranked.items()},
-        at,
+        {name: values_of_one.min(axis=1) for name, values_of_one in ranked.items()},
+        worst_at,
     )
 
 
@@ -280,6 +303,6 @@ def _objective(uncertain: Uncertain, values: Array, sign: float) -> Estimate:
     if uncertain.how == "mean":
         return mean_and_deviation(values)[0]
     quantile = uncertain.quantile if sign > 0 else 1 - uncertain.quantile
-    least = 0.0 if uncertain.how == "worst" else quantile
-    value, error = quantiles(values, np.array([least]))
+    level = 0.0 if uncertain.how == "worst" else quantile
+    value, error = quantiles(values, np.array([level]))
     return Estimate(value[0], error[0])

@@ -65,41 +65,45 @@ def extremes(compute: Compute, low: float, high: float, cells: int) -> Extremes:
     Values that are not finite do not count.
     """
     points = np.linspace(low, high, SAMPLES)
-    rows = compute(np.tile(points, cells), np.repeat(np.arange(cells), SAMPLES))
-    values = np.where(np.isfinite(rows), rows, np.nan).reshape(len(rows), cells, SAMPLES)
-    least, most = np.fmin.reduce(values, axis=2), np.fmax.reduce(values, axis=2)
+    outputs_of_samples = compute(np.tile(points, cells), np.repeat(np.arange(cells), SAMPLES))
+    values = np.where(np.isfinite(outputs_of_samples), outputs_of_samples, np.nan).reshape(
+        len(outputs_of_samples), cells, SAMPLES
+    )
+    smallest, largest = np.fmin.reduce(values, axis=2), np.fmax.reduce(values, axis=2)
     is_open = np.isnan(values[0]).any(axis=1)
-    cell, sign, at = _brackets(values[0])
-    best = sign * values[0, cell, at]
-    left, middle, right = (points[np.clip(at + k, 0, SAMPLES - 1)] for k in (-1, 0, 1))
+    cell, sign, sample = _brackets(values[0])
+    best = sign * values[0, cell, sample]
+    left, middle, right = (points[np.clip(sample + step, 0, SAMPLES - 1)] for step in (-1, 0, 1))
+    # Golden-section search in all brackets at once; each point found may be an extreme of a cell.
     for _ in range(STEPS if cell.size else 0):
         is_right = right - middle > middle - left
         x = middle + GOLDEN * np.where(is_right, right - middle, left - middle)
         outputs = compute(x, cell)
         outputs = np.where(np.isfinite(outputs), outputs, np.nan)
         for row, value in enumerate(outputs):
-            np.fmin.at(least[row], cell, value)
-            np.fmax.at(most[row], cell, value)
+            np.fmin.at(smallest[row], cell, value)
+            np.fmax.at(largest[row], cell, value)
         is_better = sign * outputs[0] > best
-        # The old middle bounds the new bracket where x is better, else x does.
+        # The better of x and the old middle becomes the middle, the other one a bound.
         bound = np.where(is_better, middle, x)
         left = np.where(is_right == is_better, bound, left)
         right = np.where(is_right == is_better, right, bound)
         middle, best = np.where(is_better, x, middle), np.where(is_better, sign * outputs[0], best)
-    return Extremes(least, most, is_open)
+    return Extremes(smallest, largest, is_open)
 
 
-def _brackets(lead: Array) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
-    # Cell, sign and best sample of each extreme; none where the samples are monotone, unless they
-    # flatten towards an end, beside which an extreme may lie.
-    steps, noise = np.diff(lead), SIGNIFICANT * np.fmax.reduce(np.abs(lead), axis=1, keepdims=True)
-    monotone = (steps >= -noise).all(axis=1) | (steps <= noise).all(axis=1)
-    sizes = np.abs(steps)
-    monotone &= (2 * sizes[:, [0, -1]] >= sizes[:, [1, -2]]).all(axis=1)
-    (cell,) = np.nonzero(~monotone & np.isfinite(lead).any(axis=1))
-    least, most = np.nanargmin(lead[cell], axis=1), np.nanargmax(lead[cell], axis=1)
+def _brackets(values: Array) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
+    # Cell, sign (1 for a maximum) and best sample of each extreme: none where the samples are
+    # monotone, unless they flatten towards an end, beside which an extreme may lie.
+    differences = np.diff(values)
+    noise = SIGNIFICANT * np.fmax.reduce(np.abs(values), axis=1, keepdims=True)
+    is_monotone = (differences >= -noise).all(axis=1) | (differences <= noise).all(axis=1)
+    step_sizes = np.abs(differences)
+    is_monotone &= (2 * step_sizes[:, [0, -1]] >= step_sizes[:, [1, -2]]).all(axis=1)
+    (cell,) = np.nonzero(~is_monotone & np.isfinite(values).any(axis=1))
+    smallest, largest = np.nanargmin(values[cell], axis=1), np.nanargmax(values[cell], axis=1)
     signs = np.repeat([-1.0, 1.0], cell.size)
-    return np.tile(cell, 2), signs, np.concatenate([least, most])
+    return np.tile(cell, 2), signs, np.concatenate([smallest, largest])
 
 
 @dataclass(frozen=True)
@@ -129,10 +133,10 @@ class Bands(Added):
         labels: dict[str, dict[str, Any]] = {}
         for output in self.outputs:
             quantity = QUANTITIES[output]
-            for end, word in zip(ENDS, ("Least", "Largest"), strict=True):
-                labels[f"{output}_{end}"] = {
+            for band_end, size_word in zip(ENDS, ("Least", "Largest"), strict=True):
+                labels[f"{output}_{band_end}"] = {
                     "units": quantity.unit,
-                    "long_name": f"{word} {in_sentence(quantity.label)}",
+                    "long_name": f"{size_word} {in_sentence(quantity.label)}",
                     "comment": f"Over {self.over}; {output} is that at the middle.",
                     "output": output,
                     **self.judges[output],
@@ -147,51 +151,60 @@ class Bands(Added):
         arrays: dict[str, NDArray[Any]] = {}
         signs = np.zeros(tuple(grid.shape[axis] for axis in dims[UNSETTLED]), dtype=np.int8)
         for group in self.groups:
-            part = plan.part(group)
+            group_plan = plan.part(group)
             axes = grid.dims({axis for name in group for axis in dims[f"{name}_{ENDS[0]}"]})
-            inner = grid.piece({axis: (0, grid.shape[axis]) for axis in axes}, part.parameters)
-            both = self._extremes(part, inner, watch.part(1 / len(self.groups)))
-            sign = _sign(both).reshape(tuple(inner.shape.values()))
-            flat = {
+            group_grid = grid.piece(
+                {axis: (0, grid.shape[axis]) for axis in axes}, group_plan.parameters
+            )
+            group_extremes = self._extremes(
+                group_plan, group_grid, watch.part(1 / len(self.groups))
+            )
+            sign = _sign(group_extremes).reshape(tuple(group_grid.shape.values()))
+            by_cell = {
                 f"{name}_{end}": row
-                for end, rows in zip(ENDS, both[:2], strict=True)
+                for end, rows in zip(ENDS, group_extremes[:2], strict=True)
                 for name, row in zip(group, rows, strict=True)
             }
-            arrays |= over_axes(flat, inner, dims)
-            spread = [slice(None) if axis in axes else np.newaxis for axis in dims[UNSETTLED]]
-            signs = np.maximum(signs, sign[tuple(spread)])
+            arrays |= over_axes(by_cell, group_grid, dims)
+            # As many dimensions as `signs`, of size 1 on the axes that the group lacks.
+            aligned = [slice(None) if axis in axes else np.newaxis for axis in dims[UNSETTLED]]
+            signs = np.maximum(signs, sign[tuple(aligned)])
         return {**arrays, UNSETTLED: signs}
 
-    def _extremes(self, part: Plan, grid: Grid, watch: Watch) -> Extremes:
-        cells = cells_of(part, grid)
+    def _extremes(self, plan: Plan, grid: Grid, watch: Watch) -> Extremes:
+        cells = cells_of(plan, grid)
         low, high = parameter_to_si(self.parameter, np.array([self.band.low, self.band.high]))
-        parts = []
+        extremes_of_blocks = []
         starts = range(0, grid.cells, BLOCK)
         for start in starts:
             piece = {name: values[start : start + BLOCK] for name, values in cells.items()}
-            compute = partial(self._compute, part, piece, watch.part(0.0))
-            parts.append(extremes(compute, low, high, min(BLOCK, grid.cells - start)))
+            compute = partial(self._compute, plan, piece, watch.part(0.0))
+            extremes_of_blocks.append(extremes(compute, low, high, min(BLOCK, grid.cells - start)))
             watch.advance(1 / len(starts))
-        return Extremes(*(np.concatenate(one, axis=-1) for one in zip(*parts, strict=True)))
+        return Extremes(
+            *(np.concatenate(arrays, axis=-1) for arrays in zip(*extremes_of_blocks, strict=True))
+        )
 
     def _compute(
         self,
-        part: Plan,
+        plan: Plan,
         cells: Mapping[str, Array],
         watch: Watch,
-        at: Array,
-        chosen: NDArray[np.intp],
+        parameter_values: Array,
+        cell_numbers: NDArray[np.intp],
     ) -> Array:
-        values = {name: one[chosen] for name, one in cells.items()}
-        known = run_equations(part, {**values, self.parameter: at}, watch)
-        return np.stack([np.broadcast_to(known[name], at.shape) for name in part.outputs])
+        values = {name: values_of_cells[cell_numbers] for name, values_of_cells in cells.items()}
+        results = run_equations(plan, {**values, self.parameter: parameter_values}, watch)
+        return np.stack(
+            [np.broadcast_to(results[name], parameter_values.shape) for name in plan.outputs]
+        )
 
 
-def _sign(both: Extremes) -> NDArray[np.int8]:
-    least, most = both.least[0], both.most[0]
-    noise = SIGNIFICANT * np.fmax(np.abs(least), np.abs(most))
-    state = np.where(both.is_open, SIGNS["open"].value, SIGNS["settled"].value)
-    is_unsettled = (least < -noise) & (most > noise)
+def _sign(extremes: Extremes) -> NDArray[np.int8]:
+    smallest, largest = extremes.least[0], extremes.most[0]
+    noise = SIGNIFICANT * np.fmax(np.abs(smallest), np.abs(largest))
+    state = np.where(extremes.is_open, SIGNS["open"].value, SIGNS["settled"].value)
+    is_unsettled = (smallest < -noise) & (largest > noise)
     return np.where(is_unsettled, SIGNS["unsettled"].value, state).astype(np.int8)
 
 
@@ -229,9 +242,13 @@ def bands_of(plan: Plan, grid: Grid) -> Bands | None:
             )
         )
     raise_any(problems)
-    alone = OF_PLATE if takes_long else outputs
-    led = tuple(output for output in outputs if output not in alone)
-    groups = (*((led,) if led else ()), *((output,) for output in outputs if output in alone))
+    # Closed forms and speeds on a plate have extremes of their own: each is searched by itself.
+    separate = OF_PLATE if takes_long else outputs
+    grouped = tuple(output for output in outputs if output not in separate)
+    groups = (
+        *((grouped,) if grouped else ()),
+        *((output,) for output in outputs if output in separate),
+    )
     judges = {output: link_to_verdict(plan, output) for output in outputs}
     return Bands(outputs, name, band, groups, judges)
 
@@ -239,13 +256,15 @@ def bands_of(plan: Plan, grid: Grid) -> Bands | None:
 def problem_of_added(sensitivities: object, grid: Grid) -> Problem | None:
     """Return the problem with computing cells on reading; None without derivatives and bands."""
     if sensitivities:
-        what, path = "derivatives", "sensitivities"
+        computed, path = "derivatives", "sensitivities"
     elif grid.bands:
-        what, path = "bands", f"parameters.{next(iter(grid.bands))}"
+        computed, path = "bands", f"parameters.{next(iter(grid.bands))}"
     else:
         return None
     return Problem(
-        path, f"{what} are computed as a whole, not cell by cell when they are read", "Leave it out"
+        path,
+        f"{computed} are computed as a whole, not cell by cell when they are read",
+        "Leave it out",
     )
 
 

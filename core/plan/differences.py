@@ -71,15 +71,15 @@ class Derived(NamedTuple):
     error: Array
     status: NDArray[np.int8]
 
-    def logarithmic(self, at: Array) -> Array:
+    def logarithmic(self, parameter_values: Array) -> Array:
         """Return the elasticity d ln(output)/d ln(parameter), NaN where the output is 0.
 
-        `at` are the values of the parameter, SI units, shape (cells,). It is the exponent if the
-        output is a power of the parameter.
+        `parameter_values` are in SI units, shape (cells,). It is the exponent if the output is
+        a power of the parameter.
         """
         with np.errstate(all="ignore"):
             usable = (self.value != 0) & np.isfinite(self.value)
-            return np.asarray(np.where(usable, self.slope / self.value * at, np.nan))
+            return np.asarray(np.where(usable, self.slope / self.value * parameter_values, np.nan))
 
 
 Derivatives: TypeAlias = dict[tuple[str, str], Derived]
@@ -104,25 +104,28 @@ def derivatives(
     watch, values = watch or Watch(), values_of(plan, cells, parameters)
     model = _Model(*_with_counts(plan), len(plan.outputs))
     count = next(iter(values.values())).size
-    rows = np.full((4, len(parameters), len(plan.outputs), count), np.nan)
-    rows[3], both = STATUS["not_computed"], np.zeros(count, dtype=np.int8)
+    results_by_parameter = np.full((4, len(parameters), len(plan.outputs), count), np.nan)
+    results_by_parameter[3], both_sides = STATUS["not_computed"], np.zeros(count, dtype=np.int8)
     pass_watch = watch.part(1 / (ceil(count / BLOCK) * (1 + len(parameters))))
     for start in range(0, count, BLOCK):
         piece = slice(start, start + BLOCK)
-        near = {name: values[name][piece] for name in (*model.plan.parameters, *parameters)}
-        here = model.at(near, pass_watch)
-        for place, parameter in enumerate(parameters):
-            side = sides.get(parameter, both)[piece]
-            told = model.derived(near, parameter, side, *here, watch, pass_watch)
+        piece_values = {name: values[name][piece] for name in (*model.plan.parameters, *parameters)}
+        results = model.at(piece_values, pass_watch)
+        for number, parameter in enumerate(parameters):
+            side = sides.get(parameter, both_sides)[piece]
+            derived = model.derived(piece_values, parameter, side, *results, watch, pass_watch)
             if not watch.stopped():
-                rows[:, place, :, piece] = told
-    value, slope, error, status = rows
+                results_by_parameter[:, number, :, piece] = derived
+    value, slope, error, status = results_by_parameter
     return {
         (output, parameter): Derived(
-            value[k, j], slope[k, j], error[k, j], status[k, j].astype(np.int8)
+            value[parameter_number, output_number],
+            slope[parameter_number, output_number],
+            error[parameter_number, output_number],
+            status[parameter_number, output_number].astype(np.int8),
         )
-        for k, parameter in enumerate(parameters)
-        for j, output in enumerate(plan.outputs)
+        for parameter_number, parameter in enumerate(parameters)
+        for output_number, output in enumerate(plan.outputs)
     }
 
 
@@ -140,17 +143,20 @@ def values_of(
         message = f"no output asked for of {plan.scene.name} is computed from it"
         raise StudyError([Problem(f"parameters.{name}", message, fix) for name in unknown])
     columns = np.broadcast_arrays(np.zeros(1), *values.values())[1:]
-    return {n: np.asarray(c, np.float64) for n, c in zip(values, columns, strict=True)}
+    return {
+        name: np.asarray(column, np.float64) for name, column in zip(values, columns, strict=True)
+    }
 
 
 def _with_counts(plan: Plan) -> tuple[Plan, tuple[str, ...]]:
+    # The plan with the counts that tell regimes apart, and the names of its outputs and counts.
     if not any(equation.takes_long for equation in plan.equations):
         return plan.part(plan.outputs), plan.outputs
     counts = tuple(name for name in COUNTS if name in plan.scene.outputs(plan.variant))
     outputs = tuple(dict.fromkeys((*plan.outputs, *counts)))
-    more = plan_scene(plan.scene, plan.variant, outputs, plan.parameters)
-    settings = {name: value for name, value in plan.defaults.items() if name in more.defaults}
-    return replace(more, defaults={**more.defaults, **settings}), (*plan.outputs, *counts)
+    extended = plan_scene(plan.scene, plan.variant, outputs, plan.parameters)
+    settings = {name: value for name, value in plan.defaults.items() if name in extended.defaults}
+    return replace(extended, defaults={**extended.defaults, **settings}), (*plan.outputs, *counts)
 
 
 class Slopes(NamedTuple):
@@ -168,29 +174,33 @@ class Slopes(NamedTuple):
     largest: Array
 
 
-def slopes_of(values: Array, step: Array, inside: Mask | bool = False) -> Slopes:
+def slopes_of(values: Array, step: Array, is_one_sided: Mask | bool = False) -> Slopes:
     """Return derivatives from values at the points `OFFSETS`, then at x itself, shape (5, ...).
 
-    `step` is h, below 0 where `inside` points lie below x.
+    `step` is h, below 0 where points of `is_one_sided` lie below x.
     """
     with np.errstate(all="ignore"):
-        both = np.tensordot(WEIGHTS[0], values, 1) / step
-        one = np.tensordot(WEIGHTS[1], values - values[-1], 1) / step  # equal values: exactly 0
-        wide, narrow, apart, near = np.where(inside, one, both)
+        central = np.tensordot(WEIGHTS[0], values, 1) / step
+        # Less the value at x, so that equal values give exactly 0.
+        one_sided = np.tensordot(WEIGHTS[1], values - values[-1], 1) / step
+        wide, narrow, step_jump, half_step_jump = np.where(is_one_sided, one_sided, central)
         largest = np.maximum(np.abs(wide), np.abs(narrow))
-        return Slopes((4 * narrow - wide) / 3, np.abs(narrow - wide), apart, near, largest)
+        # D(h) and D(h/2) have errors of order h^2, which (4 D(h/2) - D(h))/3 cancels.
+        return Slopes(
+            (4 * narrow - wide) / 3, np.abs(narrow - wide), step_jump, half_step_jump, largest
+        )
 
 
-def jacobian(rows: Callable[[Array], Array], at: Array, step: float) -> Array:
+def jacobian(rows: Callable[[Array], Array], point: Array, step: float) -> Array:
     """Return the derivatives of `rows` at a point of the unit box, shape (n, rows).
 
     Central differences, one-sided at the sides of the box. `rows` takes points, shape (2 n, n), and
     returns a row for each.
     """
-    steps = step * np.eye(at.size)
-    ahead, behind = np.minimum(at + steps, 1.0), np.maximum(at - steps, 0.0)
-    above, below = np.split(rows(np.concatenate([ahead, behind])), 2)
-    return np.asarray((above - below) / np.diag(ahead - behind)[:, np.newaxis])
+    steps = step * np.eye(point.size)
+    forward, backward = np.minimum(point + steps, 1.0), np.maximum(point - steps, 0.0)
+    rows_forward, rows_backward = np.split(rows(np.concatenate([forward, backward])), 2)
+    return np.asarray((rows_forward - rows_backward) / np.diag(forward - backward)[:, np.newaxis])
 
 
 @dataclass(frozen=True)
@@ -203,89 +213,105 @@ class _Model:
 
     def at(self, values: Mapping[str, Array], watch: Watch) -> tuple[Array, Array]:
         """Return outputs, shape (outputs, cells), and counts likewise."""
-        known = run_equations(self.plan, values, watch)
+        results = run_equations(self.plan, values, watch)
         shape = len(self.names), next(iter(values.values())).size
-        rows = np.reshape([np.broadcast_to(known[name], shape[1:]) for name in self.names], shape)
+        rows = np.reshape([np.broadcast_to(results[name], shape[1:]) for name in self.names], shape)
         return rows[: self.derives], rows[self.derives :]
 
     def derived(
         self, values: Mapping[str, Array], parameter: str, side: NDArray[np.int8], middle: Array,
-        kinds: Array, watch: Watch, pass_watch: Watch,
+        counts: Array, watch: Watch, pass_watch: Watch,
     ) -> Array:  # fmt: skip
         """Return value, derivative, error and status, shape (4, outputs, cells), at cells."""
         scale = scale_of(parameter, values[parameter])
-        size, finite = np.abs(middle) / scale, np.isfinite(middle)
-        best = np.stack([np.full(middle.shape, one) for one in (np.nan, np.inf, STATUS["kink"])])
-        repeats = kinds[0] >= 1 if len(kinds) else np.ones(scale.size, dtype=bool)
+        slope_scale, finite = np.abs(middle) / scale, np.isfinite(middle)
+        best = np.stack(
+            [np.full(middle.shape, number) for number in (np.nan, np.inf, STATUS["kink"])]
+        )
+        repeats = counts[0] >= 1 if len(counts) else np.ones(scale.size, dtype=bool)
         is_open = repeats & finite.any(axis=0)
         for relative in STEPS:
-            (todo,) = np.nonzero(is_open)
-            if not todo.size or watch.stopped():
+            (to_do,) = np.nonzero(is_open)
+            if not to_do.size or watch.stopped():
                 break
-            near = {name: array[todo] for name, array in values.items()}
-            here = middle[:, todo], kinds[:, todo], size[:, todo]
-            step = relative * scale[todo]
-            tried = self._tried(near, parameter, side[todo], step, *here, pass_watch)
-            best[:, :, todo] = np.where(tried[1] < best[1][:, todo], tried, best[:, :, todo])
-            good = best[1] <= GOOD * np.fmax(np.abs(best[0]), size)
-            is_open, pass_watch = repeats & ~(good | ~finite).all(axis=0), watch.part(0.0)
+            values_to_do = {name: array[to_do] for name, array in values.items()}
+            results_to_do = middle[:, to_do], counts[:, to_do], slope_scale[:, to_do]
+            step = relative * scale[to_do]
+            by_step = self._by_one_step(
+                values_to_do, parameter, side[to_do], step, *results_to_do, pass_watch
+            )
+            best[:, :, to_do] = np.where(by_step[1] < best[1][:, to_do], by_step, best[:, :, to_do])
+            is_accurate = best[1] <= GOOD * np.fmax(np.abs(best[0]), slope_scale)
+            is_open, pass_watch = repeats & ~(is_accurate | ~finite).all(axis=0), watch.part(0.0)
         slope, error, status = best
-        room = np.fmax(TRUSTED * np.abs(slope), NEGLIGIBLE * size)
-        status[np.isfinite(error) & ~(error <= room)] = STATUS["unsettled"]
+        allowed_error = np.fmax(TRUSTED * np.abs(slope), NEGLIGIBLE * slope_scale)
+        status[np.isfinite(error) & ~(error <= allowed_error)] = STATUS["unsettled"]
         status[~finite] = STATUS["no_value"]
         status[:, ~repeats] = STATUS["not_periodic"]
         best[:2, status >= STATUS["kink"]] = np.nan
         return np.stack([middle, slope, error, status])
 
-    def _tried(
-        self, near: Mapping[str, Array], parameter: str, side: NDArray[np.int8], step: Array,
-        middle: Array, kinds: Array, size: Array, watch: Watch,
+    def _by_one_step(
+        self, values: Mapping[str, Array], parameter: str, side: NDArray[np.int8], step: Array,
+        middle: Array, counts_here: Array, slope_scale: Array, watch: Watch,
     ) -> Array:  # fmt: skip
         """Return derivatives by one step, their errors, infinite if it does not count, and status.
 
-        `size` is the output over the scale of the parameter.
+        `slope_scale` is the output over the scale of the parameter.
         """
-        at = near[parameter]
-        over, under = (self._may_be(near, parameter, at + way * step) for way in (1, -1))
-        way = np.where(side == 0, 1 * over - under, side)
-        inside, step = way != 0, np.where(way < 0, -step, step)
-        allowed = np.where(side > 0, over, under) | (side == 0)
-        around = at + np.where(inside, OFFSETS[1], OFFSETS[0]) * step
-        moved = {name: np.tile(array, 4) for name, array in near.items()}
-        rows = self.at({**moved, parameter: around.ravel()}, watch)
-        outputs, others = (row.reshape(-1, *around.shape) for row in rows)
+        centre = values[parameter]
+        allowed_above, allowed_below = (
+            self._is_allowed(values, parameter, centre + direction * step) for direction in (1, -1)
+        )
+        direction = np.where(side == 0, 1 * allowed_above - allowed_below, side)
+        is_one_sided, step = direction != 0, np.where(direction < 0, -step, step)
+        is_side_allowed = np.where(side > 0, allowed_above, allowed_below) | (side == 0)
+        points = centre + np.where(is_one_sided, OFFSETS[1], OFFSETS[0]) * step
+        repeated = {name: np.tile(array, 4) for name, array in values.items()}
+        rows = self.at({**repeated, parameter: points.ravel()}, watch)
+        outputs, counts_at_points = (row.reshape(-1, *points.shape) for row in rows)
         # At an end of its range a motion may be of another kind, as without any rebound.
-        own = np.where(inside, others[:, -1], kinds)
-        same = np.isclose(others, own[:, np.newaxis], rtol=1e-12, atol=0).all(axis=(0, 1)) & allowed
-        values = np.concatenate([np.moveaxis(outputs, 1, 0), middle[np.newaxis]])
-        slopes = slopes_of(values, step, inside)
+        reference_counts = np.where(is_one_sided, counts_at_points[:, -1], counts_here)
+        same_regime = (
+            np.isclose(counts_at_points, reference_counts[:, np.newaxis], rtol=1e-12, atol=0).all(
+                axis=(0, 1)
+            )
+            & is_side_allowed
+        )
+        output_values = np.concatenate([np.moveaxis(outputs, 1, 0), middle[np.newaxis]])
+        slopes = slopes_of(output_values, step, is_one_sided)
         with np.errstate(all="ignore"):
             kink = np.abs(2 * slopes.near - slopes.apart)  # 0 but for h^3 where F is smooth
-            counts = same & (kink <= AGREE * (slopes.largest + size))
+            is_valid = same_regime & (kink <= AGREE * (slopes.largest + slope_scale))
             error = slopes.error + kink / 2 + ROUNDING * np.abs(middle / step)
-        status = np.where(inside, STATUS["one_sided"], STATUS["differences"])
-        error = np.where(counts, error, np.inf)
+        status = np.where(is_one_sided, STATUS["one_sided"], STATUS["differences"])
+        error = np.where(is_valid, error, np.inf)
         return np.stack([slopes.slope, error, np.broadcast_to(status, error.shape)])
 
-    def _may_be(self, near: Mapping[str, Array], parameter: str, to: Array) -> Mask:
+    def _is_allowed(self, values: Mapping[str, Array], parameter: str, new_values: Array) -> Mask:
+        # True where the parameter may have the new value: within its bounds, and relations hold.
         quantity = QUANTITIES[parameter]
         unit = np.deg2rad(1.0) if quantity.is_angle else 1.0
         lower, upper = quantity.lower * unit, quantity.upper * unit
-        allowed = ((to > lower) if quantity.strict else (to >= lower)) & (to <= upper)
-        values = {**near, parameter: to}
-        for one in (*self.plan.scene.constraints, *CONSTRAINTS):
-            concerned = one.variant in ("", self.plan.variant) and parameter in one.parameters
-            if concerned and set(one.parameters) <= set(values):
-                rows = zip(*(values[name] for name in one.parameters), strict=True)
-                allowed &= [one.holds(*np.repeat(row, 2).tolist()) for row in rows]
+        allowed = ((new_values > lower) if quantity.strict else (new_values >= lower)) & (
+            new_values <= upper
+        )
+        values = {**values, parameter: new_values}
+        for constraint in (*self.plan.scene.constraints, *CONSTRAINTS):
+            applies = (
+                constraint.variant in ("", self.plan.variant) and parameter in constraint.parameters
+            )
+            if applies and set(constraint.parameters) <= set(values):
+                rows = zip(*(values[name] for name in constraint.parameters), strict=True)
+                allowed &= [constraint.holds(*np.repeat(row, 2).tolist()) for row in rows]
         return np.asarray(allowed)
 
 
-def scale_of(parameter: str, at: Array) -> Array:
+def scale_of(parameter: str, values: Array) -> Array:
     """Return a power of two near the size of each value, or the least usual size, 1 for angles."""
     quantity = QUANTITIES[parameter]
-    least = 1.0 if quantity.is_angle else (quantity.usual or (0.0,))[0]
-    size = np.maximum(np.abs(at), least)
+    usual_size = 1.0 if quantity.is_angle else (quantity.usual or (0.0,))[0]
+    size = np.maximum(np.abs(values), usual_size)
     return np.asarray(np.ldexp(1.0, np.frexp(np.where(size == 0, 1.0, size))[1]))
 
 
@@ -308,32 +334,34 @@ class Added:
     @property
     def units(self) -> dict[str, str]:
         """The unit of each variable."""
-        return {name: told.get("units", "1") for name, told in self.labels.items()}
+        return {name: attributes.get("units", "1") for name, attributes in self.labels.items()}
 
     def dims(self, grid: Grid, depends: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
         """Return the axes of each variable: those of its output, for a flag of all outputs."""
-        every = {axis for name in self.outputs for axis in depends[name]}
+        all_axes = {axis for name in self.outputs for axis in depends[name]}
         return {
-            name: grid.dims(depends[told["output"]] if "output" in told else every)
-            for name, told in self.labels.items()
+            name: grid.dims(depends[attributes["output"]] if "output" in attributes else all_axes)
+            for name, attributes in self.labels.items()
         }
 
     def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
         """Return the variables for a result by name: axes, values, attributes."""
         return {
-            name: TableVariable(dims[name], arrays[name], told)
-            for name, told in self.labels.items()
+            name: TableVariable(dims[name], arrays[name], attributes)
+            for name, attributes in self.labels.items()
         }
 
 
-def over_axes(flat: Mapping[str, NDArray[Any]], grid: Grid, dims: Dims) -> dict[str, NDArray[Any]]:
+def over_axes(
+    by_cell: Mapping[str, NDArray[Any]], grid: Grid, dims: Dims
+) -> dict[str, NDArray[Any]]:
     """Return variables of all cells of a grid, shape (cells,), each over its own axes."""
     shape = tuple(grid.shape.values())
     return {
         name: array.reshape(shape)[
             tuple(slice(None) if axis in dims[name] else 0 for axis in grid.axes)
         ]
-        for name, array in flat.items()
+        for name, array in by_cell.items()
     }
 
 
@@ -353,15 +381,16 @@ class Asked(Added):
         """The attributes of each variable that the asked derivatives add to a result, in order."""
         labels: dict[str, dict[str, Any]] = {}
         for parameter in self.parameters:
-            by, status = QUANTITIES[parameter].label.lower(), _status_name(parameter)
+            parameter_label, status = QUANTITIES[parameter].label.lower(), _status_name(parameter)
             for output in self.outputs:
-                of, unit = in_sentence(QUANTITIES[output].label), _per(output, parameter)
+                output_label, unit = in_sentence(QUANTITIES[output].label), _per(output, parameter)
                 texts = (
-                    (unit, f"Derivative of {of} by {by}",
+                    (unit, f"Derivative of {output_label} by {parameter_label}",
                      f"d({output})/d({parameter}); NaN where {status} says why there is none."),
-                    (unit, f"Error of the derivative of {of} by {by}",
+                    (unit, f"Error of the derivative of {output_label} by {parameter_label}",
                      "An estimate, from differences over a step and over half of it."),
-                    ("1", f"Sensitivity of {of} to {by}", f"d ln({output})/d ln({parameter})."),
+                    ("1", f"Sensitivity of {output_label} to {parameter_label}",
+                     f"d ln({output})/d ln({parameter})."),
                 )  # fmt: skip
                 for name, (units, title, comment) in zip(
                     _names(output, parameter), texts, strict=True
@@ -372,7 +401,7 @@ class Asked(Added):
                     }  # fmt: skip
             labels[status] = flag_attributes(
                 "motion_status", DERIVATIVE_STATUSES, tuple(DERIVATIVE_STATUSES)
-            ) | {"long_name": f"Status of the derivatives by {by}"}
+            ) | {"long_name": f"Status of the derivatives by {parameter_label}"}
         return labels
 
     def arrays(
@@ -384,18 +413,22 @@ class Asked(Added):
         """
         shape = tuple(grid.shape.values())
         values: dict[str, Any] = {**plan.defaults, **grid.si()}
-        flat: dict[str, NDArray[Any]] = {}
+        by_cell: dict[str, NDArray[Any]] = {}
         for parameter in self.parameters:
-            at = np.broadcast_to(values[parameter], shape).ravel()
+            parameter_values = np.broadcast_to(values[parameter], shape).ravel()
             derived = [derivatives[output, parameter] for output in self.outputs]
-            for output, one in zip(self.outputs, derived, strict=True):
+            for output, derivative in zip(self.outputs, derived, strict=True):
                 factor = np.rad2deg(1.0) if QUANTITIES[output].is_angle else 1.0
                 factor *= np.deg2rad(1.0) if QUANTITIES[parameter].is_angle else 1.0
-                told = one.slope * factor, one.error * factor, one.logarithmic(at)
-                flat |= zip(_names(output, parameter), told, strict=True)
-            worst = np.maximum.reduce([one.status for one in derived])
-            flat[_status_name(parameter)] = worst
-        return over_axes(flat, grid, dims)
+                values_of_output = (
+                    derivative.slope * factor,
+                    derivative.error * factor,
+                    derivative.logarithmic(parameter_values),
+                )
+                by_cell |= zip(_names(output, parameter), values_of_output, strict=True)
+            worst = np.maximum.reduce([derivative.status for derivative in derived])
+            by_cell[_status_name(parameter)] = worst
+        return over_axes(by_cell, grid, dims)
 
 
 def _names(output: str, parameter: str) -> tuple[str, str, str]:
@@ -408,23 +441,31 @@ def _status_name(parameter: str) -> str:
 
 
 def asked_of(
-    plan: Plan, parameters: Collection[str], wish: bool | tuple[str, ...] | None, cells: int
+    plan: Plan, parameters: Collection[str], requested: bool | tuple[str, ...] | None, cells: int
 ) -> Asked | None:
     """Return the derivatives that a study asks for by its key `sensitivities`, None for none.
 
     Raises `StudyError` with every problem.
     """
-    if not wish:
+    if not requested:
         return None
     outputs = tuple(name for name in plan.outputs if QUANTITIES[name].is_derived)
-    part = plan.part(outputs)  # a parameter of a verdict alone moves no output
-    known = [name for name in (*part.parameters, *part.defaults) if QUANTITIES[name].parameter]
-    names = wish if isinstance(wish, tuple) else tuple(name for name in parameters if name in known)
+    derived_plan = plan.part(outputs)  # a parameter of a verdict alone moves no output
+    derivable = [
+        name
+        for name in (*derived_plan.parameters, *derived_plan.defaults)
+        if QUANTITIES[name].parameter
+    ]
+    names = (
+        requested
+        if isinstance(requested, tuple)
+        else tuple(name for name in parameters if name in derivable)
+    )
     faults = [
         (f"no requested output depends on '{name[:60]}', which sensitivities names",
-         suggestion(name, known))
+         suggestion(name, derivable))
         for name in names
-        if name not in known
+        if name not in derivable
     ]  # fmt: skip
     if not outputs:
         faults.append(
@@ -441,7 +482,7 @@ def asked_of(
                 "Give fewer cells, outputs or names of parameters",
             )
         )
-    raise_any(Problem(SECTION, *one) for one in faults)
+    raise_any(Problem(SECTION, *texts) for texts in faults)
     return Asked(outputs, names)
 
 

@@ -104,28 +104,30 @@ def evaluate_in_blocks(
     block with its share of the grid.
     """
     depends = plan.depends_on(grid.along)
-    used = grid.dims(set().union(*(depends[name] for name in results)))
-    steps = _steps(grid, used, block_cells)
+    axes_used = grid.dims(set().union(*(depends[name] for name in results)))
+    steps = _steps(grid, axes_used, block_cells)
     values = grid.si()
-    # What depends on none of the sliced axes is computed once.
-    inner = [one for one in plan.equations if depends[one.gives] & steps.keys()]
-    outer = [one for one in plan.equations if not depends[one.gives] & steps.keys()]
-    start = run(outer, values | {name: np.asarray(one) for name, one in plan.defaults.items()})
-    for begin in product(*(range(0, grid.shape[axis], step) for axis, step in steps.items())):
-        where = {
-            axis: slice(at, min(at + steps[axis], grid.shape[axis]))
-            for axis, at in zip(steps, begin, strict=True)
+    # Equations that depend on none of the sliced axes are computed once.
+    blockwise = [equation for equation in plan.equations if depends[equation.gives] & steps.keys()]
+    once = [equation for equation in plan.equations if not depends[equation.gives] & steps.keys()]
+    known_before = run(
+        once, values | {name: np.asarray(value) for name, value in plan.defaults.items()}
+    )
+    for starts in product(*(range(0, grid.shape[axis], step) for axis, step in steps.items())):
+        block = {
+            axis: slice(start, min(start + steps[axis], grid.shape[axis]))
+            for axis, start in zip(steps, starts, strict=True)
         }
-        here = {
+        block_values = {
             name: values[name].take(
-                range(where[axis].start, where[axis].stop), axis=[*grid.axes].index(axis)
+                range(block[axis].start, block[axis].stop), axis=[*grid.axes].index(axis)
             )
             for name, axis in grid.along.items()
-            if axis in where
+            if axis in block
         }
-        _write(plan, grid, run(inner, start | here), where, results)
+        _write(plan, grid, run(blockwise, known_before | block_values), block, results)
         if progress is not None:
-            sizes = (part.stop - part.start for part in where.values())
+            sizes = (axis_slice.stop - axis_slice.start for axis_slice in block.values())
             progress(math.prod(sizes) / grid.size(steps))
 
 
@@ -142,21 +144,23 @@ def evaluate_at_once(plan: Plan, grid: Grid, into: Results, watch: Watch) -> Non
     The equations of motion share out their cells among threads themselves, and ask `watch` whether
     to stop: then cells are left that are not computed.
     """
-    given = grid.si()
-    known = run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
-    _write(plan, grid, known, {}, into)
+    values = grid.si()
+    quantities = run_equations(plan, {name: values[name] for name in plan.parameters}, watch)
+    _write(plan, grid, quantities, {}, into)
 
 
 def _write(
-    plan: Plan, grid: Grid, known: Known, where: Mapping[str, slice], results: Results
+    plan: Plan, grid: Grid, quantities: Known, block: Mapping[str, slice], results: Results
 ) -> None:
-    depends, known = plan.depends_on(grid.along), known | regimes(plan, known)
+    depends, quantities = plan.depends_on(grid.along), quantities | regimes(plan, quantities)
     for name, array in results.items():
-        values = np.asarray(known[name])
+        values = np.asarray(quantities[name])
         if values.ndim:  # every axis of the grid, of size 1 where it does not depend on it
             axes = enumerate(grid.axes)
-            values = values.squeeze(tuple(at for at, axis in axes if axis not in depends[name]))
-        array[tuple(where.get(axis, slice(None)) for axis in grid.dims(depends[name]))] = values
+            values = values.squeeze(
+                tuple(position for position, axis in axes if axis not in depends[name])
+            )
+        array[tuple(block.get(axis, slice(None)) for axis in grid.dims(depends[name]))] = values
 
 
 def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
@@ -181,18 +185,21 @@ def is_compiled_for(missing: Iterable[str], cells: int) -> bool:
     with _lock:
         for source in missing:
             _seen[source] += cells
-        seen = max(_seen[source] for source in missing)
-    if seen < LOADED_FROM and "numba" not in sys.modules:
+        cells_seen = max(_seen[source] for source in missing)
+    if cells_seen < LOADED_FROM and "numba" not in sys.modules:
         return False
     from vibrafeed.core.kernel_cache import is_on_disk
 
-    return seen >= sum(CACHED_FROM if is_on_disk(one) else COMPILED_FROM for one in missing)
+    return cells_seen >= sum(
+        CACHED_FROM if is_on_disk(source) else COMPILED_FROM for source in missing
+    )
 
 
 class Fused:
     """The graph of a plan on a grid, ready to be run."""
 
     def __init__(self, plan: Plan, traced: Traced, grid: Grid):
+        # Results over the same axes are one group; groups of few cells need no compiled loops.
         self._grid, self._traced = grid, traced
         self._values = Values(traced, plan, grid)
         self._groups = groups_of(plan, grid)
@@ -224,8 +231,8 @@ class Fused:
             for dims, names in self._groups.items():
                 arrays = [results[name] for name in names]
                 if dims in self._programs:
-                    tell = progress if dims == tuple(self._groups)[-1] else None
-                    self._run(dims, arrays, threads or os.cpu_count() or 1, tell)
+                    progress_of_last = progress if dims == tuple(self._groups)[-1] else None
+                    self._run(dims, arrays, threads or os.cpu_count() or 1, progress_of_last)
                 else:
                     for name, array in zip(names, arrays, strict=True):
                         array[...] = self._values.over(self._traced.results[name], dims)
@@ -251,20 +258,22 @@ class Fused:
         )
         flat = [array.reshape(-1) for array in results]
         cells = grid.size(dims)
-        most = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
+        max_cells = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
 
         def run(ends: NDArray[np.int64]) -> None:
             loops((ends, strides), flat)
             if progress is not None:
                 progress(cells_between(ends) / cells)
 
-        share = cells if cells < FEWEST_SHARED else -(-cells // (SHARES * threads))
-        # The largest first: what is left over at the ends of axes fills the gaps.
+        cells_per_task = cells if cells < FEWEST_SHARED else -(-cells // (SHARES * threads))
+        # The largest first, so that small remainders fill the gaps at the end.
         tasks = sorted(
-            _tasks(program.order, grid.shape, min(most, share)), key=cells_between, reverse=True
+            _tasks(program.order, grid.shape, min(max_cells, cells_per_task)),
+            key=cells_between,
+            reverse=True,
         )
         if program.missing:
-            run(tasks.pop(0))  # compiling is for one
+            run(tasks.pop(0))  # one thread compiles the loops
             program.mark_compiled()
         share_out(run, tasks, threads)
 
@@ -278,17 +287,17 @@ def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
     return {dims: tuple(groups[dims]) for dims in sorted(groups, key=grid.size)}
 
 
-def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:
+def _tasks(order: Order, shape: Mapping[str, int], max_cells: int) -> Iterator[NDArray[np.int64]]:
     """Yield start and stop of each task on the row and on each outer loop, shape (loops + 1, 2)."""
-    row = math.prod(shape[name] for name in order.inner)
-    sizes = [row, *(shape[name] for name in order.outer)]
-    steps = [inside := min(row, most)]
+    row_length = math.prod(shape[name] for name in order.inner)
+    sizes = [row_length, *(shape[name] for name in order.outer)]
+    steps = [cells_inside := min(row_length, max_cells)]
     for size in reversed(sizes[1:]):
-        steps.insert(1, even_length(size, most // inside))
-        inside *= steps[1]
+        steps.insert(1, even_length(size, max_cells // cells_inside))
+        cells_inside *= steps[1]
     starts = (range(0, size, step) for size, step in zip(sizes, steps, strict=True))
-    for at in product(*starts):
-        yield np.array([at, np.minimum(np.add(at, steps), sizes)], dtype=np.int64).T.copy()
+    for start in product(*starts):
+        yield np.array([start, np.minimum(np.add(start, steps), sizes)], dtype=np.int64).T.copy()
 
 
 def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) -> None:
@@ -298,22 +307,22 @@ def share_out(function: Callable[[_T], Any], tasks: Iterable[_T], threads: int) 
     error of a call is raised; tasks that have not begun are left out then. The threads are kept: to
     start two takes as long as a sweep of some 10^5 cells.
     """
-    left = deque(tasks)
+    waiting = deque(tasks)
     errors: list[BaseException] = []
 
     def work() -> None:
         try:
             while True:
                 try:
-                    task = left.popleft()
+                    task = waiting.popleft()
                 except IndexError:
                     return
                 function(task)
         except BaseException as error:
             errors.append(error)
-            left.clear()
+            waiting.clear()
 
-    helpers = min(threads, len(left)) - 1
+    helpers = min(threads, len(waiting)) - 1
     calls = [_pool(threads).submit(work) for _ in range(helpers)]
     work()
     running = [call for call in calls if not call.cancel()]

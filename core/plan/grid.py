@@ -52,8 +52,8 @@ class Grid:
         paired = {name: value for name, value in values.items() if isinstance(value, Paired)}
         sizes = {name: value.size for name, value in paired.items()}
         if len({*sizes.values()}) > 1:
-            listed = ", ".join(f"{size} of {name}" for name, size in sizes.items())
-            message = f"the parameters have different numbers of values: {listed}"
+            sizes_in_words = ", ".join(f"{size} of {name}" for name, size in sizes.items())
+            message = f"the parameters have different numbers of values: {sizes_in_words}"
             raise refused("designs", message, "Give each of them one value a design")
         count = max(sizes.values(), default=0)
         axes = {
@@ -73,8 +73,10 @@ class Grid:
     @cached_property
     def along(self) -> dict[str, str]:
         """The axis along which each ranged parameter changes: its own, or that of designs."""
-        own = {name: name for name in self.axes if name != DESIGN}
-        return own | dict.fromkeys(self.paired, DESIGN)
+        return {
+            **{name: name for name in self.axes if name != DESIGN},
+            **dict.fromkeys(self.paired, DESIGN),
+        }
 
     def values_of(self, name: str) -> Points | Span:
         """Return the values of a ranged parameter, along its axis."""
@@ -107,19 +109,23 @@ class Grid:
         }
         paired = self.paired
         if DESIGN in box:
-            paired = {name: Points(one.values[slice(*box[DESIGN])]) for name, one in paired.items()}
+            paired = {
+                name: Points(values.values[slice(*box[DESIGN])]) for name, values in paired.items()
+            }
         return replace(self, axes=axes, paired=paired)
 
     def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> "Grid":
         """Return a smaller grid: the axes of a box, within its ends, with some fixed parameters."""
         ends = {name: (0, axis.size) for name, axis in self.axes.items()}
-        cut = {name: at for name, at in box.items() if at != ends[name]}
-        wanted = set(names)
+        shortened = {
+            name: ends_in_box for name, ends_in_box in box.items() if ends_in_box != ends[name]
+        }
+        wanted_names = set(names)
         return Grid(
             {name: axis for name, axis in self.axes.items() if name in box},
-            {name: value for name, value in self.fixed.items() if name in wanted},
+            {name: value for name, value in self.fixed.items() if name in wanted_names},
             paired=self.paired if DESIGN in box else {},
-        ).within(cut)
+        ).within(shortened)
 
     def coordinate(self, name: str) -> NDArray[np.float64]:
         """Return the values of an axis in the unit of studies, shape (size,)."""
@@ -143,13 +149,13 @@ class Grid:
         An axis has as many dimensions as the grid, of size 1 but for its own.
         """
         fixed = self.fixed.items()
-        known = {name: parameter_to_si(name, np.asarray(value)) for name, value in fixed}
+        values = {name: parameter_to_si(name, np.asarray(value)) for name, value in fixed}
         positions = {name: position for position, name in enumerate(self.axes)}
         for name, axis in self.along.items():
             shape = [1] * len(self.axes)
             shape[positions[axis]] = -1
-            known[name] = parameter_to_si(name, self.values_of(name).array()).reshape(shape)
-        return known
+            values[name] = parameter_to_si(name, self.values_of(name).array()).reshape(shape)
+        return values
 
     def at(
         self, positions: Mapping[str, NDArray[np.int64]], count: int, names: Iterable[str]
@@ -162,12 +168,17 @@ class Grid:
         wanted = set(names)
         cells = {
             name: np.array(
-                [self.values_of(name).array(int(k), int(k) + 1)[0] for k in positions[axis]]
+                [
+                    self.values_of(name).array(int(index), int(index) + 1)[0]
+                    for index in positions[axis]
+                ]
             )
             for name, axis in self.along.items()
             if name in wanted
         }
-        cells |= {name: np.full(count, v) for name, v in self.fixed.items() if name in wanted}
+        cells |= {
+            name: np.full(count, value) for name, value in self.fixed.items() if name in wanted
+        }
         return {name: parameter_to_si(name, values) for name, values in cells.items()}
 
 

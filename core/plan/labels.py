@@ -65,10 +65,10 @@ def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
         for name in grid.axes
     }
     coordinates |= {
-        name: TableVariable((DESIGN,), np.array(one.values), quantity_attributes(name))
-        for name, one in grid.paired.items()
+        name: TableVariable((DESIGN,), np.array(paired.values), quantity_attributes(name))
+        for name, paired in grid.paired.items()
     }
-    ends = {name: {BAND: np.array([one.low, one.high])} for name, one in grid.bands.items()}
+    ends = {name: {BAND: np.array([band.low, band.high])} for name, band in grid.bands.items()}
     fixed: dict[str, Any] = {
         name: value for name, value in grid.fixed.items() if name in plan.parameters
     }
@@ -115,24 +115,24 @@ def verdict_variables(
     plan: Plan, dims: Mapping[str, tuple[str, ...]], arrays: Mapping[str, NDArray[Any]]
 ) -> dict[str, TableVariable]:
     """Return the flag variables of a result: the regimes, each with the outputs that it judges."""
-    apart = len(plan.verdicts) > 1
+    has_several = len(plan.verdicts) > 1
     return {
-        one.name: TableVariable(
-            dims[one.name],
-            arrays[one.name],
-            regime_attributes(one.regimes, one.outputs if apart else ()),
+        verdict.name: TableVariable(
+            dims[verdict.name],
+            arrays[verdict.name],
+            regime_attributes(verdict.regimes, verdict.outputs if has_several else ()),
         )
-        for one in plan.verdicts
+        for verdict in plan.verdicts
     }
 
 
-def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
+def global_attributes(prepared: Prepared, method: str) -> dict[str, str]:
     """Return the attributes of a result that say where it is from: study, version, scene, drive."""
     study, plan = prepared.study, prepared.plan
     attributes = {
         "Conventions": CONVENTIONS,
         "title": study.title or plan.scene.title,
-        "source": f"vibrafeed {core.__version__}, {how}",
+        "source": f"vibrafeed {core.__version__}, {method}",
         "references": REFERENCES,
         "comment": plan.scene.validity,
         "scene": plan.scene.name,
@@ -141,7 +141,7 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
         "study_sha256": study.key(),
     }
     if isinstance(study, DrivenStudy) and study.drive is not None:
-        attributes["drive"] = _origin(study.drive, study.values())
+        attributes["drive"] = _origin_of_drive(study.drive, study.values())
     part: PartOfFile | None = getattr(study, "part", None)
     if part is not None:
         attributes["part"] = f"{part.name} (SHA-256 {part.sha256})"
@@ -154,19 +154,25 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
     return attributes
 
 
-def _origin(drive: MeasuredDrive, values: Mapping[str, Values]) -> str:
-    left = ", ".join(f"{axis} {100 * share:.2g} %" for axis, share in drive.left_over.items())
-    told = f"fitted to {drive.name} (SHA-256 {drive.sha256}); left over {left}"
+def _origin_of_drive(drive: MeasuredDrive, values: Mapping[str, Values]) -> str:
+    left_over = ", ".join(
+        f"{axis} {100 * fraction:.2g} %" for axis, fraction in drive.left_over.items()
+    )
+    origin = f"fitted to {drive.name} (SHA-256 {drive.sha256}); left over {left_over}"
     if drive.constant is not None:
-        left = ", ".join(f"{axis} {size:.3g} m s-2" for axis, size in drive.constant.items())
-        told = (
+        left_over = ", ".join(
+            f"{axis} {acceleration:.3g} m s-2" for axis, acceleration in drive.constant.items()
+        )
+        origin = (
             f"{drive.name} (SHA-256 {drive.sha256}), followed once; without its mean acceleration, "
-            f"{left}, so that the track ends at rest"
+            f"{left_over}, so that the track ends at rest"
         )
     if drive.clock_error is not None:
-        told += f"; clock error {100 * drive.clock_error:.3g} %"
-    others = [name for name, number in drive.numbers.items() if values.get(name) != Fixed(number)]
-    return told + (f"; not from it {', '.join(others)}" if others else "")
+        origin += f"; clock error {100 * drive.clock_error:.3g} %"
+    overridden = [
+        name for name, number in drive.numbers.items() if values.get(name) != Fixed(number)
+    ]
+    return origin + (f"; not from it {', '.join(overridden)}" if overridden else "")
 
 
 def chosen_positions(prepared: Prepared) -> tuple[Positions, int]:
@@ -174,8 +180,8 @@ def chosen_positions(prepared: Prepared) -> tuple[Positions, int]:
 
     They are all different, and the same for equal studies.
     """
-    grid, asked = prepared.grid, prepared.study.verify or 0
-    return random_positions(grid, asked, prepared.study.key()), min(asked, grid.cells)
+    grid, requested = prepared.grid, prepared.study.verify or 0
+    return random_positions(grid, requested, prepared.study.key()), min(requested, grid.cells)
 
 
 @dataclass(frozen=True)
@@ -199,9 +205,9 @@ class Sample:
         """Return the position of a sampled cell: ``at frequency 50 Hz, beta 30 deg``."""
         parts = []
         for name, axis in self.grid.axes.items():
-            k = int(self.positions[name][cell])
+            index = int(self.positions[name][cell])
             unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-            value = float(axis.array(k, k + 1)[0])
+            value = float(axis.array(index, index + 1)[0])
             parts.append(f"{name} {value:.12g}" + ("" if unit == "1" else f" {unit}"))
         return f"at {', '.join(parts)}" if parts else "at the only cell"
 
@@ -222,11 +228,15 @@ class Sample:
         attributes: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
         if failed:
             attributes[FAILED] = failed
-        left = self.chosen - evaluated
-        if left:
-            stop = f"stopped before {left:,} of {self.chosen:,} cells could be verified"
+        not_evaluated = self.chosen - evaluated
+        if not_evaluated:
+            stop = f"stopped before {not_evaluated:,} of {self.chosen:,} cells could be verified"
             worst = f"{worst}; {stop}" if worst else stop
-        return attributes | {"verified_worst": worst} | ({LEFT_OUT: left} if left else {})
+        return (
+            attributes
+            | {"verified_worst": worst}
+            | ({LEFT_OUT: not_evaluated} if not_evaluated else {})
+        )
 
 
 def sample_of(

@@ -62,35 +62,37 @@ def order_of(
     steps = [node for node in nodes if node.function]
     orders = []
     for count in range(len(axes) + 1):
-        row = math.prod(shape[name] for name in axes[count:])
-        if not count or row >= LEAST_ROW:
-            outer = _outwards(axes[:count], shape, steps)
+        row_length = math.prod(shape[name] for name in axes[count:])
+        if not count or row_length >= LEAST_ROW:
+            outer = _loops_from_outside(axes[:count], shape, steps)
             orders.append(Order(tuple(axes), outer, tuple(axes[count:])))
     return min(orders, key=lambda order: _work_of(order, shape, nodes))
 
 
-def _outwards(
+def _loops_from_outside(
     axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]
 ) -> tuple[str, ...]:
-    left, outer = list(axes), list[str]()
-    work = [(SLOW.get(step.function, 1.0), step.axes) for step in steps]
-    while left:
-        # `work` is what stands within all loops that are left. A loop of one turn costs nothing.
-        repeated = {
-            name: sum(weight for weight, among in work if name in among) * (shape[name] > 1)
-            for name in left
+    axes_left, outer = list(axes), list[str]()
+    costs = [(SLOW.get(step.function, 1.0), step.axes) for step in steps]
+    while axes_left:
+        # `costs` are of the steps within all loops that are left, of which the innermost is the one
+        # that repeats least work. A loop of one turn costs nothing.
+        cost_of_repeats = {
+            name: sum(weight for weight, step_axes in costs if name in step_axes)
+            * (shape[name] > 1)
+            for name in axes_left
         }
-        least = min(left, key=repeated.__getitem__)
-        left.remove(least)
-        outer.insert(0, least)
-        work = [(weight, among) for weight, among in work if least not in among]
+        cheapest = min(axes_left, key=cost_of_repeats.__getitem__)
+        axes_left.remove(cheapest)
+        outer.insert(0, cheapest)
+        costs = [(weight, step_axes) for weight, step_axes in costs if cheapest not in step_axes]
     return tuple(outer)
 
 
 def _work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) -> float:
-    row = math.prod(shape[name] for name in order.inner)
-    # What a row has beyond whole turns of its loop is taken cell by cell.
-    along = row + (LANES - 1) * (row % UNROLLED)
+    row_length = math.prod(shape[name] for name in order.inner)
+    # Cells beyond whole turns of the unrolled loop are computed one by one.
+    padded_row = row_length + (LANES - 1) * (row_length % UNROLLED)
     turns = [1]
     for name in order.outer:
         turns.append(turns[-1] * shape[name])
@@ -98,10 +100,10 @@ def _work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) ->
     for node in nodes:
         is_row = order.is_row(node)
         if node.function:
-            each = along if is_row else LANES
-            work += SLOW.get(node.function, 1.0) * turns[order.level(node)] * each
+            steps_per_turn = padded_row if is_row else LANES
+            work += SLOW.get(node.function, 1.0) * turns[order.level(node)] * steps_per_turn
         elif is_row:
-            work += LAID * row
+            work += LAID * row_length
     return work
 
 
@@ -140,55 +142,57 @@ class LoopWriter:
         self.leaves = {node.number for node in leaves}
         self.columns = {node.number for node in columns}
         self.deepest = len(order.outer)
-        self.steps: dict[int, Node] = {}  # that the loop computes, inputs first
-        self.used: dict[int, Node] = {}  # that it reads from arrays made beforehand
-        self.deep = set(self.columns)  # that depend on a value given cell by cell
+        self.steps: dict[int, Node] = {}  # nodes that it computes, inputs first
+        self.inputs: dict[int, Node] = {}  # nodes that it reads from arrays made beforehand
+        self.by_cell = set(self.columns)  # numbers of nodes that depend on a column
         for result in results:
             if isinstance(result, Node):
-                self._need(result)
+                self._add_steps(result)
         self.nodes = [self.steps[number] for number in sorted(self.steps)]
-        self.kept = self._kept()
-        self.here: set[int] = set()
+        self.stored_rows = self._rows_to_store()
+        self.computed_here: set[int] = set()
 
-    def _need(self, node: Node) -> None:
-        if node.number in self.steps or node.number in self.used:
+    def _add_steps(self, node: Node) -> None:
+        # Inputs first, so that the steps are in an order in which they can be computed.
+        if node.number in self.steps or node.number in self.inputs:
             return
         if node.number in self.leaves | self.columns:
-            self.used[node.number] = node
+            self.inputs[node.number] = node
             return
-        for one in node.before:
-            self._need(one)
-        if any(one.number in self.deep for one in node.before):
-            self.deep.add(node.number)
+        for before in node.before:
+            self._add_steps(before)
+        if any(before.number in self.by_cell for before in node.before):
+            self.by_cell.add(node.number)
         self.steps[node.number] = node
 
-    def _kept(self) -> dict[int, Node]:  # values along a row that an inner loop needs
-        used = [(one, self._level(node)) for node in self.nodes for one in node.before]
-        used += [(one, self.deepest) for one in self.results if isinstance(one, Node)]
-        kept = {
-            one.number: one
-            for one, level in used
-            if one.number in self.steps and self._is_row(one) and self._level(one) < level
+    def _rows_to_store(self) -> dict[int, Node]:  # rows that a deeper loop needs
+        uses = [(before, self._level(node)) for node in self.nodes for before in node.before]
+        uses += [(result, self.deepest) for result in self.results if isinstance(result, Node)]
+        stored = {
+            node.number: node
+            for node, level in uses
+            if node.number in self.steps and self._is_row(node) and self._level(node) < level
         }
-        return dict(sorted(kept.items()))
+        return dict(sorted(stored.items()))
 
     def _level(self, node: Node) -> int:
-        return self.deepest if node.number in self.deep else self.order.level(node)
+        return self.deepest if node.number in self.by_cell else self.order.level(node)
 
     def _is_row(self, node: Node) -> bool:
-        return node.number in self.deep or self.order.is_row(node)
+        return node.number in self.by_cell or self.order.is_row(node)
 
     def _term(self, node: Any) -> str:
+        # A value in the loop's text: c of a column, a of an array, r of a stored row, t of a step.
         if not isinstance(node, Node):
             return _literal(node)
         number = node.number
         if number in self.columns:
             return f"c{number}[done + i]"
-        if number in self.used:
+        if number in self.inputs:
             if not self.order.is_row(node):
                 return f"a{number}_"
             row = f"a{number}_[i]"
-        elif number in self.kept and number not in self.here:
+        elif number in self.stored_rows and number not in self.computed_here:
             row = f"r{number}[i]"
         else:
             return f"t{number}"
@@ -196,19 +200,20 @@ class LoopWriter:
 
     def write(self) -> Loop:
         """Return the loop."""
-        arrays = [node for node in self.used.values() if node.number in self.leaves]
-        columns = [node for node in self.used.values() if node.number in self.columns]
+        arrays = [node for node in self.inputs.values() if node.number in self.leaves]
+        columns = [node for node in self.inputs.values() if node.number in self.columns]
         lines: list[str] = []
         for level in range(self.deepest + 1):
-            pad = "    " * (level + 2)
+            indent = "    " * (level + 2)
             if level:
-                ends = f"ends[{level}, 0], ends[{level}, 1]"
-                lines.append(f"{pad[4:]}for i{level} in range({ends}):")
-            lines += self._at_level(level, arrays, pad)
+                lines.append(
+                    f"{indent[4:]}for i{level} in range(ends[{level}, 0], ends[{level}, 1]):"
+                )
+            lines += self._at_level(level, arrays, indent)
         names = [
             *(f"a{node.number}" for node in arrays),
             *(f"c{node.number}" for node in columns),
-            *(f"r{number}" for number in self.kept),
+            *(f"r{number}" for number in self.stored_rows),
             *(f"o{k}" for k in range(len(self.results))),
         ]
         head = [
@@ -219,59 +224,67 @@ class LoopWriter:
             "        cells = stop - at",
         ]
         source = "\n".join([*head, *lines]) + "\n"
-        return Loop(source, tuple(arrays), tuple(columns), tuple(self.kept.values()))
+        return Loop(source, tuple(arrays), tuple(columns), tuple(self.stored_rows.values()))
 
-    def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
-        plain, rows = self._enter(level)
-        lines = [self._taken(one) for one in arrays if self.order.level(one) == level]
-        lines += [f"t{node.number} = {self._step(node)}" for node in plain]
+    def _at_level(self, level: int, arrays: Sequence[Node], indent: str) -> list[str]:
+        # The lines within so many outer loops: elements of arrays, steps, then the loop over the
+        # row.
+        scalars, rows = self._enter(level)
+        lines = [self._input_line(node) for node in arrays if self.order.level(node) == level]
+        lines += [f"t{node.number} = {self._expression(node)}" for node in scalars]
         if level == self.deepest:
-            stored = [f"o{k}_[i] = {self._term(one)}" for k, one in enumerate(self.results)]
-            lines += [*self._starts(), *_along([*self._steps(rows), *stored]), "done += cells"]
+            stored = [f"o{k}_[i] = {self._term(result)}" for k, result in enumerate(self.results)]
+            lines += [
+                *self._result_slices(),
+                *_row_loop([*self._row_lines(rows), *stored]),
+                "done += cells",
+            ]
         elif rows:
-            lines += _along(self._steps(rows))
-        return [f"{pad}{line}" for line in lines]
+            lines += _row_loop(self._row_lines(rows))
+        return [f"{indent}{line}" for line in lines]
 
     def _enter(self, level: int) -> tuple[list[Node], list[Node]]:
         here = [node for node in self.nodes if self._level(node) == level]
-        self.here = {node.number for node in here}
-        plain = [node for node in here if not self._is_row(node)]
-        return plain, [node for node in here if self._is_row(node)]
+        self.computed_here = {node.number for node in here}
+        scalars = [node for node in here if not self._is_row(node)]
+        return scalars, [node for node in here if self._is_row(node)]
 
-    def _taken(self, node: Node) -> str:
-        turns = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
-        index = ", ".join(turns[name] for name in self.order.kept(node))
-        taken = f"a{node.number}[{index}]" if index else f"a{node.number}"
-        return f"a{node.number}_ = {taken}{'[at:stop]' if self.order.is_row(node) else ''}"
+    def _input_line(self, node: Node) -> str:
+        counters = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
+        index = ", ".join(counters[name] for name in self.order.kept(node))
+        element = f"a{node.number}[{index}]" if index else f"a{node.number}"
+        return f"a{node.number}_ = {element}{'[at:stop]' if self.order.is_row(node) else ''}"
 
-    def _starts(self) -> list[str]:
-        turns = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
-        lines = [f"start = {' + '.join([*turns, 'at'])}"] if self.is_last else []
+    def _result_slices(self) -> list[str]:
+        terms = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
+        lines = [f"start = {' + '.join([*terms, 'at'])}"] if self.is_last else []
         start = "start" if self.is_last else "done"
-        count = range(len(self.results))
-        return [*lines, *(f"o{k}_ = o{k}[{start}:{start} + cells]" for k in count)]
+        slices = (f"o{k}_ = o{k}[{start}:{start} + cells]" for k in range(len(self.results)))
+        return [*lines, *slices]
 
-    def _steps(self, rows: Sequence[Node]) -> list[str]:
+    def _row_lines(self, rows: Sequence[Node]) -> list[str]:
+        # Stored rows hold floats: a truth value is stored as 1.0 or 0.0.
         lines = []
         for node in rows:
             value = f"t{node.number}"
-            lines.append(f"{value} = {self._step(node)}")
-            if node.number in self.kept:
+            lines.append(f"{value} = {self._expression(node)}")
+            if node.number in self.stored_rows:
                 if node.dtype == np.bool_:
                     value = f"choose({value}, 1.0, 0.0)"
                 lines.append(f"r{node.number}[i] = {value}")
         return lines
 
-    def _step(self, node: Node) -> str:
+    def _expression(self, node: Node) -> str:
         assert node.function is not None
         return IN_LOOPS[node.function].format(*map(self._term, node.inputs))
 
 
-def _along(lines: Iterable[str]) -> list[str]:
+def _row_loop(lines: Iterable[str]) -> list[str]:
     return ["for i in range(cells):", *(f"    {line}" for line in lines)]
 
 
 def _literal(value: Any) -> str:
+    # A number as Python text; negative ones in brackets, since they stand within formulas.
     if isinstance(value, bool | np.bool_):
         return str(bool(value))
     number = float(value)

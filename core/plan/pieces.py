@@ -67,11 +67,11 @@ def carry_out(
     watch : Watch, optional
         Takes the progress and may stop the computation.
     """
-    watch, share = watch or Watch(), prepared.computing_share
-    started, compiling = time.perf_counter(), stopwatch.spent
-    computed = compute(prepared, watch.part(share))
-    seconds = time.perf_counter() - started - (stopwatch.spent - compiling)
-    table = label(prepared, computed, watch.part(1 - share))
+    watch, computing_share = watch or Watch(), prepared.computing_share
+    started, compiling_before = time.perf_counter(), stopwatch.spent
+    computed = compute(prepared, watch.part(computing_share))
+    seconds = time.perf_counter() - started - (stopwatch.spent - compiling_before)
+    table = label(prepared, computed, watch.part(1 - computing_share))
     return table.with_price(run_cost(cells_of(prepared, table), seconds))
 
 
@@ -96,10 +96,10 @@ def cells_of_piece(prepared: Prepared, seconds: float) -> int:
     piece stores at most `MAX_PIECE_CELLS`.
     """
     cells = seconds / prepared.seconds_a_cell
-    fewest = prepared.cells / MAX_PIECES
-    # Of what is reduced a piece holds answers only.
-    most = MAX_PIECE_CELLS * prepared.cells / prepared.stored
-    return int(min(most, max(cells, fewest, 1)))
+    min_cells = prepared.cells / MAX_PIECES
+    # A study with `reduce` stores fewer values than it has cells.
+    max_cells = MAX_PIECE_CELLS * prepared.cells / prepared.stored
+    return int(min(max_cells, max(cells, min_cells, 1)))
 
 
 class Cut:
@@ -119,16 +119,16 @@ class Cut:
         """Divide a study into pieces of about `cells` cells."""
         axes = prepared.cut_axes
         shape = [prepared.grid.shape[name] for name in axes]
-        inner = prepared.cells // math.prod(shape)
-        count = len(axes)
-        while count and inner * shape[count - 1] <= cells:
-            count -= 1
-            inner *= shape[count]
-        self._axes, self._shape = axes[:count], shape[:count]
+        cells_inside = prepared.cells // math.prod(shape)
+        cut_count = len(axes)
+        while cut_count and cells_inside * shape[cut_count - 1] <= cells:
+            cut_count -= 1
+            cells_inside *= shape[cut_count]
+        self._axes, self._shape = axes[:cut_count], shape[:cut_count]
         # Steps of nearly equal length: no piece is a small remainder.
         self._parts = [*self._shape[:-1]]
-        if count:
-            self._parts.append(-(-shape[count - 1] // max(1, cells // inner)))
+        if cut_count:
+            self._parts.append(-(-shape[cut_count - 1] // max(1, cells // cells_inside)))
 
     def __len__(self) -> int:
         """Return the number of pieces, at least one."""

@@ -56,14 +56,16 @@ class Verdict:
     @cached_property
     def otherwise(self) -> str:
         """The regime of cells in which no condition holds."""
-        said = [condition.otherwise for condition in self.conditions if condition.otherwise]
-        more = [name for name in said if name != "contact"]
-        return (more or said or ["not_assessed"])[-1]
+        regimes = [condition.otherwise for condition in self.conditions if condition.otherwise]
+        without_contact = [name for name in regimes if name != "contact"]
+        return (without_contact or regimes or ["not_assessed"])[-1]
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """The names of the quantities that its conditions need."""
-        return tuple(dict.fromkeys(name for one in self.conditions for name in one.inputs))
+        return tuple(
+            dict.fromkeys(name for condition in self.conditions for name in condition.inputs)
+        )
 
     @cached_property
     def doubts(self) -> bool:
@@ -90,7 +92,11 @@ class Plan:
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
         """The conditions of all verdicts, each once."""
-        return tuple(dict.fromkeys(one for verdict in self.verdicts for one in verdict.conditions))
+        return tuple(
+            dict.fromkeys(
+                condition for verdict in self.verdicts for condition in verdict.conditions
+            )
+        )
 
     @cached_property
     def regimes(self) -> tuple[str, ...]:
@@ -105,7 +111,7 @@ class Plan:
 
     def verdict_on(self, output: str) -> Verdict | None:
         """Return the verdict that judges an output; None for one that holds in every regime."""
-        return next((one for one in self.verdicts if output in one.outputs), None)
+        return next((verdict for verdict in self.verdicts if output in verdict.outputs), None)
 
     def only(self, output: str) -> "Plan":
         """Return the plan of one output alone, with the equations and parameters that it needs.
@@ -113,8 +119,7 @@ class Plan:
         Plans are kept for the next call, since every slice asks for one.
         """
         if output not in self._known:
-            walk = _Walk(self.scene, self.variant, self.parameters, (output,))
-            self._known[output] = walk.plan()
+            self._known[output] = _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
         return self._known[output]
 
     def part(self, names: Collection[str]) -> "Plan":
@@ -122,11 +127,11 @@ class Plan:
         verdicts = tuple(verdict for verdict in self.verdicts if verdict.name in names)
         outputs = tuple(name for name in names if name not in self.verdict_names)
         wanted = [*outputs, *(name for verdict in verdicts for name in verdict.inputs)]
-        needed = behind(wanted, {e.gives: e for e in self.equations}.get)
+        needed = behind(wanted, {equation.gives: equation for equation in self.equations}.get)
         return replace(
             self,
             outputs=outputs,
-            equations=tuple(e for e in self.equations if e.gives in needed),
+            equations=tuple(equation for equation in self.equations if equation.gives in needed),
             verdicts=verdicts,
             parameters=tuple(name for name in self.parameters if name in needed),
             defaults={name: value for name, value in self.defaults.items() if name in needed},
@@ -138,18 +143,19 @@ class Plan:
         A quantity is computed over its own axes only, which saves most of the work on a large grid.
         `along` has the axis of each ranged parameter.
         """
-        names = tuple(along.items())
-        if names not in self._known:
-            known = {
-                name: frozenset(axis for one, axis in names if one == name)
+        axis_of_parameter = tuple(along.items())
+        if axis_of_parameter not in self._known:
+            depends = {
+                name: frozenset(axis for parameter, axis in axis_of_parameter if parameter == name)
                 for name in self.parameters
             }
-            known |= dict.fromkeys(self.defaults, frozenset())
-            steps = {one.gives: one.inputs for one in self.equations}
-            for name, inputs in (steps | {one.name: one.inputs for one in self.verdicts}).items():
-                known[name] = frozenset().union(*(known[needed] for needed in inputs))
-            self._known[names] = known
-        return dict(self._known[names])
+            depends |= dict.fromkeys(self.defaults, frozenset())
+            inputs_of = {equation.gives: equation.inputs for equation in self.equations}
+            inputs_of |= {verdict.name: verdict.inputs for verdict in self.verdicts}
+            for name, inputs in inputs_of.items():
+                depends[name] = frozenset().union(*(depends[needed] for needed in inputs))
+            self._known[axis_of_parameter] = depends
+        return dict(self._known[axis_of_parameter])
 
     @cached_property
     def _known(self) -> dict[Any, Any]:  # by output and by axes
@@ -163,29 +169,39 @@ def verdicts_of(conditions: Sequence[Condition], outputs: Sequence[str]) -> tupl
     not valid or speaks of single outputs; one that tells the state of the part, such as stick,
     parts no outputs. What holds in every regime (`EXACT`) has no verdict of its own.
     """
-    of_contact = {*_judging(conditions, REGIME)}
-    concerned = [name for name in outputs if any(name in one.outputs for one in conditions)]
+    of_contact = {*_judging_conditions(conditions, REGIME)}
+    judged = [
+        name for name in outputs if any(name in condition.outputs for condition in conditions)
+    ]
     groups: dict[tuple[Condition, ...], list[str]] = {}
-    for name in concerned:
+    for name in judged:
         if name not in EXACT:
-            groups.setdefault(_judging(conditions, name), []).append(name)
+            groups.setdefault(_judging_conditions(conditions, name), []).append(name)
     if not groups:
-        groups[()] = concerned or list(outputs)
-    # The one nearest to the contact: it shares most with it, and asks least besides.
-    first = max(groups, key=lambda one: (len(of_contact & {*one}), -len({*one} - of_contact)))
-    ordered = {first: groups.pop(first), **groups}
+        groups[()] = judged or list(outputs)
+    # The verdict on the contact: the group that shares most conditions with those of the contact,
+    # and has fewest others.
+    contact_group = max(
+        groups,
+        key=lambda group: (len(of_contact & {*group}), -len({*group} - of_contact)),
+    )
+    ordered = {contact_group: groups.pop(contact_group), **groups}
     return tuple(
         Verdict(
-            REGIME if judging is first else f"{REGIME}_{names[0]}",
+            REGIME if group is contact_group else f"{REGIME}_{names[0]}",
             tuple(name for name in names if name not in (REGIME, *EXACT)),
-            tuple(one for one in conditions if one.outputs & set(names)),
+            tuple(condition for condition in conditions if condition.outputs & set(names)),
         )
-        for judging, names in ordered.items()
+        for group, names in ordered.items()
     )
 
 
-def _judging(conditions: Sequence[Condition], output: str) -> tuple[Condition, ...]:
-    return tuple(one for one in conditions if output in one.outputs and REGIMES[one.regime].judges)
+def _judging_conditions(conditions: Sequence[Condition], output: str) -> tuple[Condition, ...]:
+    return tuple(
+        condition
+        for condition in conditions
+        if output in condition.outputs and REGIMES[condition.regime].judges
+    )
 
 
 def find_scene(
@@ -227,26 +243,26 @@ def plan_scene(
     variant: str,
     outputs: Collection[str],
     parameters: Collection[str],
-    spare: Collection[str] = (),
+    optional: Collection[str] = (),
 ) -> Plan:
     """Return the plan for outputs of a scene, given the names of a study's parameters.
 
-    Those among `spare` may be parameters of the scene that the outputs do not use. Raises
+    Those among `optional` may be parameters of the scene that the outputs do not use. Raises
     `StudyError` with every problem.
     """
     scene = scene.fitted(parameters)
-    gives, suggest = scene.outputs(variant), Suggestions()
-    unknown = (name for name in outputs if name not in gives)
-    problems = [_unknown_output(scene, variant, name, suggest) for name in unknown]
-    known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in gives)
+    known, suggestions = scene.outputs(variant), Suggestions()
+    unknown = (name for name in outputs if name not in known)
+    problems = [_unknown_output(scene, variant, name, suggestions) for name in unknown]
+    known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in known)
     walk = _Walk(scene, variant, parameters, known_outputs)
-    problems += _doubled(parameters, walk.missing)
-    problems += [_missing(scene, name, user) for name, user in walk.missing.items()]
+    problems += _problems_of_alternatives(parameters, walk.missing)
+    problems += [_problem_of_missing(scene, name, user) for name, user in walk.missing.items()]
     if known_outputs:  # otherwise nothing is known to be used, and every parameter would be blamed
-        blamed = {problem.place.removeprefix("parameters.") for problem in problems}
-        blamed |= {*spare} & {*scene_parameters(scene, variant)}
-        unused = (name for name in parameters if name not in walk.used | blamed)
-        problems += [_unused(scene, variant, name, known_outputs) for name in unused]
+        reported = {problem.place.removeprefix("parameters.") for problem in problems}
+        reported |= {*optional} & {*scene_parameters(scene, variant)}
+        unused = (name for name in parameters if name not in walk.used | reported)
+        problems += [_problem_of_unused(scene, variant, name, known_outputs) for name in unused]
     raise_any(problems)
     return walk.plan()
 
@@ -302,41 +318,51 @@ class _Walk:
         # An alternative parameter of the study, such as a stroke for an amplitude, comes first.
         parameters = set(self.parameters)
         for alias in ALIASES:
-            asked = {one for one in alias.inputs if QUANTITIES[one].parameter} - BESIDE
-            if alias.gives == name and asked <= parameters:
+            required = {needed for needed in alias.inputs if QUANTITIES[needed].parameter} - BESIDE
+            if alias.gives == name and required <= parameters:
                 return alias
         equation = self.producers.get(name)
         if equation is None or name not in self.scene_defaults:
             return equation
         # A default of a derived quantity: the equation runs only if the study asks for it, or sets
         # one of its inputs, or an alternative to one.
-        inputs = (self.producers.get(one) for one in equation.inputs if QUANTITIES[one].parameter)
-        told = any(one is not None and set(one.inputs) <= parameters for one in inputs)
-        return equation if told or name in self.outputs or parameters & {*equation.inputs} else None
+        input_producers = (
+            self.producers.get(needed) for needed in equation.inputs if QUANTITIES[needed].parameter
+        )
+        is_given_by_alias = any(
+            producer is not None and set(producer.inputs) <= parameters
+            for producer in input_producers
+        )
+        is_needed = name in self.outputs or parameters & {*equation.inputs} or is_given_by_alias
+        return equation if is_needed else None
 
 
-def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
-    told = _other_way(scene, variant, name)
-    if told is None:
-        told = f"{scene.name} has no output '{name[:60]}'", suggest(name, scene.outputs(variant))
-    return Problem("outputs", *told, about=name)
+def _unknown_output(scene: Scene, variant: str, name: str, suggestions: Suggestions) -> Problem:
+    texts = _where_output_exists(scene, variant, name)
+    if texts is None:
+        texts = (
+            f"{scene.name} has no output '{name[:60]}'",
+            suggestions(name, scene.outputs(variant)),
+        )
+    return Problem("outputs", *texts, about=name)
 
 
-def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
-    others = [v for v in scene.variants if name in scene.outputs(v)]
-    if others:
+def _where_output_exists(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
+    # Message and fix if another variant or kind of study has the output; None if none has.
+    variants = [variant_ for variant_ in scene.variants if name in scene.outputs(variant_)]
+    if variants:
         return (
             f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
-            f"Set {scene.choice} to {' or '.join(others)}",
+            f"Set {scene.choice} to {' or '.join(variants)}",
         )
     closed = SCENES.get(scene.name)
     if scene.choice == "method" and closed is not None:
         here, there, kind = "simulation", "sweep", "sweep"
-        gives = name in closed.outputs(closed.default_variant)
+        exists = name in closed.outputs(closed.default_variant)
     else:
         here, there, kind = "sweep", "simulation", "simulate"
-        gives = name in RESULTS or name in FEEDING
-    if not gives:
+        exists = name in RESULTS or name in FEEDING
+    if not exists:
         return None
     other = by_synonym(name, scene.outputs(variant))
     if other is None:
@@ -347,13 +373,15 @@ def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
     )
 
 
-def _doubled(parameters: Collection[str], missing: Collection[str]) -> Iterator[Problem]:
+def _problems_of_alternatives(
+    parameters: Collection[str], missing: Collection[str]
+) -> Iterator[Problem]:
     for name, others in ALTERNATIVES:
-        doubled = [other for other in others if name in parameters and other in parameters]
-        if doubled:
+        also_given = [other for other in others if name in parameters and other in parameters]
+        if also_given:
             yield Problem(
                 f"parameters.{name}",
-                f"{name} and {' and '.join(doubled)} set the same quantity",
+                f"{name} and {' and '.join(also_given)} set the same quantity",
                 f"Give either {name} or {' and '.join(others)}",
             )
     for name, (needed, message, example) in NEEDS.items():
@@ -361,7 +389,7 @@ def _doubled(parameters: Collection[str], missing: Collection[str]) -> Iterator[
             yield Problem(f"parameters.{name}", message, f"Add {needed} = {example}")
 
 
-def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
+def _problem_of_missing(scene: Scene, name: str, needed_by: str) -> Problem:
     written = WRITTEN_AS.get(name, name)
     quantity = QUANTITIES[written]
     needed = f"{scene.name} needs it"
@@ -375,7 +403,7 @@ def _missing(scene: Scene, name: str, needed_by: str) -> Problem:
     )
 
 
-def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
+def _problem_of_unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
     path = f"parameters.{name}"
     if name in DRIVE and "wave" not in scene.producers(variant):
         return Problem(
@@ -389,7 +417,7 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
         return Problem(
             path, f"{name} is not used by {', '.join(outputs)} of {scene.name}", "Remove it"
         )
-    users = [one for one in scene.variants if name in scene_parameters(scene, one)]
+    users = [variant_ for variant_ in scene.variants if name in scene_parameters(scene, variant_)]
     elsewhere = f", or set {scene.choice} to {' or '.join(users)}" if users else ""
     return Problem(path, f"{name} is not used by {scene.name}", f"Remove it{elsewhere}")
 
@@ -421,27 +449,29 @@ def run_equations(plan: Plan, parameters: Mapping[str, Any], watch: Watch | None
 
     Equations that take long, such as motions, ask `watch` whether to stop.
     """
-    known: Known = {name: np.asarray(value) for name, value in plan.defaults.items()}
-    return run(plan.equations, known | dict(parameters), watch)
+    defaults: Known = {name: np.asarray(value) for name, value in plan.defaults.items()}
+    return run(plan.equations, defaults | dict(parameters), watch)
 
 
-def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None) -> Known:
-    """Compute equations one after another, adding their results to `known`, which is returned."""
+def run(equations: Iterable[Equation], quantities: Known, watch: Watch | None = None) -> Known:
+    """Compute equations one after another; add their results to `quantities`, and return it."""
     with too_large_is_data():
         for equation in equations:
             watched = {"watch": watch} if equation.takes_long else {}
-            known[equation.gives] = equation.function(
-                **{name: known[name] for name in equation.inputs}, **watched
+            quantities[equation.gives] = equation.function(
+                **{name: quantities[name] for name in equation.inputs}, **watched
             )
-    return known
+    return quantities
 
 
-def regimes(plan: Plan, known: Mapping[str, Any]) -> dict[str, NDArray[np.int8]]:
+def regimes(plan: Plan, quantities: Mapping[str, Any]) -> dict[str, NDArray[np.int8]]:
     """Return the regimes of the cells by each verdict of a plan, by the name of the verdict."""
-    return {name: np.asarray(one) for name, one in regimes_of(plan.verdicts, known).items()}
+    return {
+        name: np.asarray(values) for name, values in regimes_of(plan.verdicts, quantities).items()
+    }
 
 
-def regimes_of(verdicts: Sequence[Verdict], known: Mapping[str, Any]) -> dict[str, Any]:
+def regimes_of(verdicts: Sequence[Verdict], quantities: Mapping[str, Any]) -> dict[str, Any]:
     """Return the number of each cell's regime by each verdict: the first condition that holds.
 
     A condition of several verdicts is looked at once. The results are int8.
@@ -449,8 +479,10 @@ def regimes_of(verdicts: Sequence[Verdict], known: Mapping[str, Any]) -> dict[st
     results: dict[str, Any] = {}
     with too_large_is_data():
         holds = {
-            condition: condition.function(**{name: known[name] for name in condition.inputs})
-            for condition in dict.fromkeys(one for v in verdicts for one in v.conditions)
+            condition: condition.function(**{name: quantities[name] for name in condition.inputs})
+            for condition in dict.fromkeys(
+                condition for verdict in verdicts for condition in verdict.conditions
+            )
         }
         for verdict in verdicts:
             regime: Any = np.int8(REGIMES[verdict.otherwise].value)

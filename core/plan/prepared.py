@@ -99,7 +99,7 @@ class Prepared:
     @property
     def added(self) -> tuple[Added, ...]:
         """Variables of the result beside the outputs: derivatives, ends of bands."""
-        return tuple(one for one in (self.derived, self.bands) if one is not None)
+        return tuple(added for added in (self.derived, self.bands) if added is not None)
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
@@ -113,9 +113,9 @@ class Prepared:
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each output."""
-        told = {name: unit for added in self.added for name, unit in added.units.items()}
-        told |= dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
-        return {name: told.get(name) or QUANTITIES[name].unit for name in self.dims}
+        added_units = {name: unit for added in self.added for name, unit in added.units.items()}
+        added_units |= dict.fromkeys(self.plan.verdict_names, QUANTITIES["regime"].unit)
+        return {name: added_units.get(name) or QUANTITIES[name].unit for name in self.dims}
 
     @property
     def cells(self) -> int:
@@ -133,7 +133,7 @@ class Prepared:
 
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""
-        is_added_flag = any("flag_values" in one.labels.get(name, ()) for one in self.added)
+        is_added_flag = any("flag_values" in added.labels.get(name, ()) for added in self.added)
         return 1 if is_added_flag or self._is_flag(name) else 8
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
@@ -216,8 +216,8 @@ class Prepared:
     @property
     def seconds_to_verify(self) -> float:
         """The likely time of verification [s]; 0 if not asked for."""
-        asked = min(self.study.verify or 0, self.cells)
-        return asked * self.seconds_a_verified_cell if asked else 0.0
+        cells = min(self.study.verify or 0, self.cells)
+        return cells * self.seconds_a_verified_cell if cells else 0.0
 
     @property
     def computing_share(self) -> float:
@@ -238,10 +238,10 @@ class Prepared:
         if not self.verified_by:
             raise refused("verify", "no other method follows this motion", "Leave it out")
         if self.seconds_to_verify > MAX_SECONDS_TO_VERIFY:
-            each, by = self.seconds_a_verified_cell, self.verified_by
+            each, method = self.seconds_a_verified_cell, self.verified_by
             raise refused(
                 "verify",
-                f"{by} take{'s' * by.startswith('the')} some {each:.2g} s a cell",
+                f"{method} take{'s' * method.startswith('the')} some {each:.2g} s a cell",
                 f"Give at most {int(MAX_SECONDS_TO_VERIFY / each):,}",
             )
         return self
@@ -252,16 +252,16 @@ class Prepared:
             if allowed is not None and asked > allowed:
                 raise LimitError(limit, asked, allowed, self.what_fits(allowed / asked))
 
-    def what_fits(self, share: float) -> str:
+    def what_fits(self, fraction: float) -> str:
         """Return a sentence on a grid that fits the limits, with that share of the cells."""
         longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
-        fitting = int(self.grid.shape[longest] * share)
+        fitting = int(self.grid.shape[longest] * fraction)
         points, axes = self.grid.shape[longest], len(self.grid.shape)
         if fitting >= 2:
             return f"It fits with {fitting:,} instead of {points:,} values of {longest}"
-        each = int((self.cells * share) ** (1 / axes))
-        if each >= 2:
-            return f"It fits with {each:,} values on each of the {axes} axes"
+        per_axis = int((self.cells * fraction) ** (1 / axes))
+        if per_axis >= 2:
+            return f"It fits with {per_axis:,} values on each of the {axes} axes"
         return f"It fits with fewer than {axes} ranged parameters"
 
 
@@ -273,15 +273,15 @@ def plan_study(
     study: Study,
     outputs: Iterable[str],
     chosen: Chosen,
-    more: Mapping[str, Values] | None = None,
+    further: Mapping[str, Values] | None = None,
 ) -> tuple[Plan, Grid]:
     """Return the plan (equations in order) and the grid of a study of any kind.
 
-    `chosen` are scene, variant and the problems of their names; `more` are parameters that the
+    `chosen` are scene, variant and the problems of their names; `further` are parameters that the
     study gives elsewhere than under `parameters`, and that are no part of the grid. Raises
     `StudyError` with all problems at once.
     """
-    values = {**study.values(), **(more or {})}
+    values = {**study.values(), **(further or {})}
     grid = Grid.of(values)
     scene, variant, problems = chosen
     part: PartOfFile | None = getattr(study, "part", None)
@@ -293,7 +293,7 @@ def plan_study(
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     raise_any(problems)
-    used = {name: one for name, one in study.values().items() if name in plan.parameters}
+    used = {name: value for name, value in study.values().items() if name in plan.parameters}
     return plan, Grid.of(used)
 
 
@@ -315,10 +315,10 @@ def _problems_of_part(scene: Scene, variant: str, part: PartOfFile | None) -> It
 
 def names_intended(parameters: Iterable[object]) -> list[str]:
     """Return the parameters that a user intended, misspelt ones corrected, others left out."""
-    given = [*map(str, parameters)]
-    unknown = [name for name in given if name not in PARAMETERS]
-    meant = {name: intended(name, PARAMETERS) for name in unknown[:SEARCHED]}
-    names = (name if name in PARAMETERS else meant.get(name) for name in given)
+    names_given = [*map(str, parameters)]
+    unknown = [name for name in names_given if name not in PARAMETERS]
+    corrected = {name: intended(name, PARAMETERS) for name in unknown[:SEARCHED]}
+    names = (name if name in PARAMETERS else corrected.get(name) for name in names_given)
     return [name for name in names if name]
 
 
@@ -334,10 +334,10 @@ def locate_problem(problem: Problem, study: Study) -> Problem:
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
     """Yield problems of parameters whose ends on the grid break a relation of the scene."""
-    given = {*grid.along, *grid.fixed}
+    parameters = {*grid.along, *grid.fixed}
     for constraint in (*scene.constraints, *CONSTRAINTS):
-        concerned = constraint.variant in ("", variant)
-        if concerned and set(constraint.parameters) <= given:
+        applies = constraint.variant in ("", variant)
+        if applies and set(constraint.parameters) <= parameters:
             ends = [end for name in constraint.parameters for end in grid.bounds(name)]
             if not constraint.holds(*ends):
                 place = f"parameters.{constraint.parameters[0]}"
@@ -386,21 +386,21 @@ class _Round(NamedTuple):
 def price(
     plan: Plan,
     grid: Grid,
-    rough: float | None = None,
-    free: Mapping[str, tuple[float, float]] | None = None,
+    untimed: float | None = None,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> Price:
     """Return the price of evaluating a plan on a grid, from some cells that are evenly spread.
 
-    `rough` is that of a cell where nothing is timed [s], the scene's if left out: of closed forms,
-    and of motions whose code is not compiled yet. `free` are the ends of parameters that are not on
-    the grid, SI units.
+    `untimed` is that of a cell where nothing is timed [s], the scene's if left out: of closed
+    forms, and of motions whose code is not compiled yet. `ranges` are the ends of parameters that
+    are not on the grid, SI units.
     """
-    each = plan.scene.seconds_a_cell if rough is None else rough
-    if not any(one.takes_long for one in plan.equations) or not _is_compiled():
-        return Price(0.0, MARGIN * each)
-    known, count, share = _spread_cells(plan, grid, free or {})
-    start, each = _timed(plan, known, count)
-    return Price(MARGIN * start, MARGIN * each * share)
+    seconds = plan.scene.seconds_a_cell if untimed is None else untimed
+    if not any(equation.takes_long for equation in plan.equations) or not _is_compiled():
+        return Price(0.0, MARGIN * seconds)
+    parameters, count, fraction = _spread_cells(plan, grid, ranges or {})
+    start, seconds = _time_of_call_and_cell(plan, parameters, count)
+    return Price(MARGIN * start, MARGIN * seconds * fraction)
 
 
 def _is_compiled() -> bool:
@@ -410,71 +410,84 @@ def _is_compiled() -> bool:
 
 
 def _spread_cells(
-    plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]]
+    plan: Plan, grid: Grid, ranges: Mapping[str, tuple[float, float]]
 ) -> tuple[dict[str, Array], int, float]:
+    # Parameters of sampled cells, their number, and the fraction of the cells with a motion of
+    # their own.
     depends = plan.depends_on(grid.along)
-    moved = frozenset().union(*(depends[one.gives] for one in plan.equations if one.takes_long))
-    dims = {name: grid.shape[name] for name in grid.dims(moved)}
-    cells = math.prod(dims.values())
-    count = SAMPLED if free else min(SAMPLED, cells)
-    points = spread(count, len(dims) + len(free)).T
-    if cells <= count and not free:
+    axes_of_motion = frozenset().union(
+        *(depends[equation.gives] for equation in plan.equations if equation.takes_long)
+    )
+    sizes = {name: grid.shape[name] for name in grid.dims(axes_of_motion)}
+    cells = math.prod(sizes.values())
+    count = SAMPLED if ranges else min(SAMPLED, cells)
+    points = spread(count, len(sizes) + len(ranges)).T
+    # All cells, in an order in which any first half is spread too, or evenly spread ones.
+    if cells <= count and not ranges:
         order = np.concatenate([np.arange(0, count, 2), np.arange(1, count, 2)])
-        positions = positions_of(dims, order)
+        positions = positions_of(sizes, order)
     else:
-        along = np.floor(points[:, : len(dims)] * [*dims.values()]).astype(np.int64)
-        positions = dict(zip(dims, along.T, strict=True))
-    positions |= dict.fromkeys(set(grid.axes) - set(dims), np.zeros(count, dtype=np.int64))
-    known = grid.at(positions, count, plan.parameters)
-    for k, (name, (low, high)) in enumerate(free.items(), start=len(dims)):
-        known[name] = low + (high - low) * points[:, k]
-    return known, count, cells / grid.cells
+        indices = np.floor(points[:, : len(sizes)] * [*sizes.values()]).astype(np.int64)
+        positions = dict(zip(sizes, indices.T, strict=True))
+    positions |= dict.fromkeys(set(grid.axes) - set(sizes), np.zeros(count, dtype=np.int64))
+    parameters = grid.at(positions, count, plan.parameters)
+    for column, (name, (low, high)) in enumerate(ranges.items(), start=len(sizes)):
+        parameters[name] = low + (high - low) * points[:, column]
+    return parameters, count, cells / grid.cells
 
 
-def _timed(plan: Plan, known: Mapping[str, Any], count: int) -> tuple[float, float]:
-    allowed = float(np.max({**plan.defaults, **known}.get(LIMIT, 0.0)))
-    periods = before = reached = 0.0
+def _time_of_call_and_cell(
+    plan: Plan, parameters: Mapping[str, Any], count: int
+) -> tuple[float, float]:
+    # Seconds of a call beside those of its cells (0 if not told apart), and seconds of a cell.
+    max_periods = float(np.max({**plan.defaults, **parameters}.get(LIMIT, 0.0)))
+    periods = seconds_before = periods_before = 0.0
     while True:
-        periods = min(allowed, max(float(FEWEST_PERIODS), MORE * periods))
-        latest = _follow(plan, known, count, periods)
-        if latest.each > SURPRISE * before:  # it may have loaded code
-            latest = _follow(plan, known, count, periods)
-        goes_on = latest.open and periods < allowed
-        if not goes_on or latest.done < count or MORE * latest.seconds > BUDGET:
+        periods = min(max_periods, max(float(FEWEST_PERIODS), MORE * periods))
+        timed_round = _timed_round(plan, parameters, count, periods)
+        if timed_round.each > SURPRISE * seconds_before:  # it may have loaded code: repeat
+            timed_round = _timed_round(plan, parameters, count, periods)
+        is_unfinished = timed_round.open and periods < max_periods
+        if not is_unfinished or timed_round.done < count or MORE * timed_round.seconds > BUDGET:
             break
-        before, reached = latest.each, periods
-    if goes_on:  # as if it never repeated
-        growth = (latest.each - before) / (periods - reached)
-        return 0.0, latest.each + max(growth, 0.0) * (allowed - periods)
-    if latest.done < count or count == 1:
-        return 0.0, latest.each
-    # A call takes a time of its own, which more cells do not lengthen.
-    half = count // 2
-    slope = (latest.seconds - _follow(plan, known, half, periods).seconds) / (count - half)
-    slope = min(max(slope, 0.1 * latest.each), latest.each)
-    return count * (latest.each - slope), slope
+        seconds_before, periods_before = timed_round.each, periods
+    if is_unfinished:  # extrapolate linearly, as if the motion never repeated
+        growth = (timed_round.each - seconds_before) / (periods - periods_before)
+        return 0.0, timed_round.each + max(growth, 0.0) * (max_periods - periods)
+    if timed_round.done < count or count == 1:
+        return 0.0, timed_round.each
+    # A round of half the cells tells the time of a call from that of each cell.
+    half_count = count // 2
+    seconds_each = (
+        timed_round.seconds - _timed_round(plan, parameters, half_count, periods).seconds
+    ) / (count - half_count)
+    seconds_each = min(max(seconds_each, 0.1 * timed_round.each), timed_round.each)
+    return count * (timed_round.each - seconds_each), seconds_each
 
 
-def _follow(plan: Plan, known: Mapping[str, Any], count: int, periods: float) -> _Round:
-    cells = {name: value[:count] if np.ndim(value) else value for name, value in known.items()}
-    if LIMIT in plan.defaults or LIMIT in known:
+def _timed_round(plan: Plan, parameters: Mapping[str, Any], count: int, periods: float) -> _Round:
+    # Follow the first `count` cells for some periods, with a bound on the time.
+    cells = {name: value[:count] if np.ndim(value) else value for name, value in parameters.items()}
+    if LIMIT in plan.defaults or LIMIT in parameters:
         cells[LIMIT] = np.asarray(periods)
-    busy, since = time.process_time(), time.thread_time()
+    processor_start, thread_start = time.process_time(), time.thread_time()
     watch = Watch(
         threads=1,
-        stop=lambda: time.process_time() - busy > BUDGET,
+        stop=lambda: time.process_time() - processor_start > BUDGET,
         deadline=time.monotonic() + PATIENCE * BUDGET,
     )
     try:
         outcome = run_equations(plan, cells, watch)
     except StoppedError:
-        return _Round(time.thread_time() - since, 0, open=True)
-    seconds = time.thread_time() - since
-    long = (outcome[one.gives] for one in plan.equations if one.takes_long)
-    statuses = [np.broadcast_to(one.status, count) for one in long if hasattr(one, "status")]
-    left_out = np.any([one == NOT_COMPUTED for one in statuses], axis=0)
+        return _Round(time.thread_time() - thread_start, 0, open=True)
+    seconds = time.thread_time() - thread_start
+    motions = (outcome[equation.gives] for equation in plan.equations if equation.takes_long)
+    statuses = [
+        np.broadcast_to(motion.status, count) for motion in motions if hasattr(motion, "status")
+    ]
+    left_out = np.any([status == NOT_COMPUTED for status in statuses], axis=0)
     done = count - int(np.sum(left_out))
-    is_open = not done or not all(np.isin(one[~left_out], ENDED).all() for one in statuses)
+    is_open = not done or not all(np.isin(status[~left_out], ENDED).all() for status in statuses)
     return _Round(seconds, done, is_open)
 
 

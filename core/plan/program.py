@@ -86,27 +86,27 @@ def edge_of(
     """
     lengths = dict(shape)
     cells = math.prod(lengths.values())
-    few, many = max(FEW_CELLS, cells // FEW_CELLS), cells // OWN_GRID
+    few_values, many_values = max(FEW_CELLS, cells // FEW_CELLS), cells // OWN_GRID
 
-    def by_numpy(node: Node) -> bool:
+    def is_by_numpy(node: Node) -> bool:
         size = math.prod(lengths[name] for name in node.axes)
         if node.function is None:
             return True
         if node.function not in IN_LOOPS:
-            return size <= many
-        return size <= few and (node.axes <= along or not node.axes & along)
+            return size <= many_values
+        return size <= few_values and (node.axes <= row_axes or not node.axes & row_axes)
 
-    along = frozenset(row)
+    row_axes = frozenset(row)
     edge: dict[int, Node] = {}
     seen = set[int]()
-    left = [one for name in names if isinstance(one := traced.results[name], Node)]
-    while left:
-        node = left.pop()
-        if by_numpy(node):
+    to_visit = [result for name in names if isinstance(result := traced.results[name], Node)]
+    while to_visit:
+        node = to_visit.pop()
+        if is_by_numpy(node):
             edge[node.number] = node
         elif node.number not in seen:
             seen.add(node.number)
-            left += node.before
+            to_visit += node.before
     return tuple(edge[number] for number in sorted(edge))
 
 
@@ -122,10 +122,9 @@ def program_of(
     Operations that the values of `special` nodes make superfluous are left out.
     """
     lengths = dict(shape)
-    _, nodes = _renewed(traced, names, edge_of(traced, names, shape, ()), special)
+    _, nodes = _rebuilt(traced, names, edge_of(traced, names, shape, ()), special)
     order = order_of(tuple(lengths), lengths, nodes)
-    edge = edge_of(traced, names, shape, order.inner)
-    results, needed = _renewed(traced, names, edge, special)
+    results, needed = _rebuilt(traced, names, edge_of(traced, names, shape, order.inner), special)
     return Program(order, _stages(order, needed, results))
 
 
@@ -134,81 +133,90 @@ def _is_called(node: Node) -> bool:
 
 
 def _stages(order: Order, nodes: Sequence[Node], results: Sequence[Any]) -> tuple[Stage, ...]:
-    ready = _ready(results)
+    # Functions that loops cannot call run by numpy between loops: each stage is a loop that
+    # computes their inputs, then those functions.
+    stage_of = _stage_numbers(results)
     leaves = [node for node in nodes if node.function is None]
-    turns = [(ready[node.number], node) for node in nodes if _is_called(node)]
-    stages, known = [], dict[int, Node]()
-    for now in range(1, 1 + max((turn for turn, _ in turns), default=0)):
-        after = tuple(node for turn, node in turns if turn == now)
-        wanted = {one.number: one for node in after for one in node.before}
-        columns = tuple(wanted[number] for number in wanted if number not in known)
+    calls = [(stage_of[node.number], node) for node in nodes if _is_called(node)]
+    stages, columns_before = [], dict[int, Node]()
+    for stage in range(1, 1 + max((call_stage for call_stage, _ in calls), default=0)):
+        functions = tuple(node for call_stage, node in calls if call_stage == stage)
+        inputs = {operand.number: operand for node in functions for operand in node.before}
+        columns = tuple(inputs[number] for number in inputs if number not in columns_before)
         loop = None
         if columns:
-            loop = LoopWriter(order, leaves, known.values(), columns, is_last=False).write()
-        stages.append(Stage(loop, columns, after))
-        known |= {node.number: node for node in after}
-    last = LoopWriter(order, leaves, known.values(), results, is_last=True)
-    return (*stages, Stage(last.write(), (), ()))
+            loop = LoopWriter(
+                order, leaves, columns_before.values(), columns, is_last=False
+            ).write()
+        stages.append(Stage(loop, columns, functions))
+        columns_before |= {node.number: node for node in functions}
+    last_loop = LoopWriter(order, leaves, columns_before.values(), results, is_last=True)
+    return (*stages, Stage(last_loop.write(), (), ()))
 
 
-def _renewed(
+def _rebuilt(
     traced: Traced,
     names: tuple[str, ...],
     edge: Iterable[Node],
     special: tuple[tuple[int, float | bool], ...],
 ) -> tuple[list[Any], list[Node]]:
+    # The results on a new graph whose leaves are the nodes `edge`, and the nodes that they need.
     graph = Graph()
-    new: dict[int, Any] = {
+    rebuilt_nodes: dict[int, Any] = {
         node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
     } | dict(special)
 
-    def renewed(operand: Any) -> Any:
+    def rebuilt(operand: Any) -> Any:
         if not isinstance(operand, Node):
             return operand
-        if operand.number not in new:
+        if operand.number not in rebuilt_nodes:
             assert operand.function is not None
-            new[operand.number] = graph.apply(operand.function, map(renewed, operand.inputs))
-        return new[operand.number]
+            rebuilt_nodes[operand.number] = graph.apply(
+                operand.function, map(rebuilt, operand.inputs)
+            )
+        return rebuilt_nodes[operand.number]
 
-    with np.errstate(all="ignore"):  # of a number that is far from where it is taken
-        results = [renewed(traced.results[name]) for name in names]
-    return results, [graph.nodes[number] for number in sorted(_ready(results))]
+    with np.errstate(all="ignore"):  # constants may overflow where their result is not used
+        results = [rebuilt(traced.results[name]) for name in names]
+    return results, [graph.nodes[number] for number in sorted(_stage_numbers(results))]
 
 
-def _ready(results: Iterable[Any]) -> dict[int, int]:
-    ready: dict[int, int] = {}
+def _stage_numbers(results: Iterable[Any]) -> dict[int, int]:
+    # The stage after which each node is known: one more with each call of numpy on the way.
+    stages: dict[int, int] = {}
 
     def visit(node: Node) -> int:
-        if node.number not in ready:
-            before = max((visit(inner) for inner in node.before), default=0)
-            ready[node.number] = before + _is_called(node)
-        return ready[node.number]
+        if node.number not in stages:
+            stage_before = max((visit(input_node) for input_node in node.before), default=0)
+            stages[node.number] = stage_before + _is_called(node)
+        return stages[node.number]
 
     for result in results:
         if isinstance(result, Node):
             visit(result)
-    return ready
+    return stages
 
 
 class Values:
     """Values of nodes that numpy computes, each once, on the grid of its own axes."""
 
     def __init__(self, traced: Traced, plan: Plan, grid: Grid):
+        # Leaves have the values of parameters and defaults; other nodes follow on request.
         self._axes = tuple(grid.axes)
-        self._known: dict[int, Any] = {}
+        self._values: dict[int, Any] = {}
         values = grid.si()
         for node in traced.graph.nodes:
             if node.function is None:
                 value = values[node.name] if node.name in values else plan.defaults[node.name]
-                self._known[node.number] = np.asarray(value)
+                self._values[node.number] = np.asarray(value)
 
     def of(self, operand: Any) -> Any:
         """Return the value of a node, computed once, of size 1 along other axes; or a constant."""
         if not isinstance(operand, Node):
             return operand
-        if operand.number not in self._known:
-            self._known[operand.number] = operand.function(*map(self.of, operand.inputs))  # type: ignore[misc]
-        return self._known[operand.number]
+        if operand.number not in self._values:
+            self._values[operand.number] = operand.function(*map(self.of, operand.inputs))  # type: ignore[misc]
+        return self._values[operand.number]
 
     def over(self, operand: Any, axes: Iterable[str]) -> Array:
         """Return the value of a node or constant as an array over `axes`, or as a scalar."""
@@ -223,13 +231,13 @@ class Values:
         constants: list[tuple[int, float | bool]] = []
         for node in nodes:
             value = np.asarray(self.of(node))
-            first = value.item(0)
-            if value.item(-1) != first:  # at once, as with most
+            first_value = value.item(0)
+            if value.item(-1) != first_value:  # quick, and true of most
                 continue
-            if value.dtype.kind != "b" and (first not in SPECIAL or np.signbit(value).any()):
+            if value.dtype.kind != "b" and (first_value not in SPECIAL or np.signbit(value).any()):
                 continue
-            if (value == first).all():
-                constants.append((node.number, first))
+            if (value == first_value).all():
+                constants.append((node.number, first_value))
         return tuple(constants)
 
 
@@ -252,22 +260,25 @@ def bind_stages(program: Program, operands: Mapping[int, Any]) -> Runner:
     """
     loops = (stage.loop for stage in program.stages)
     calls = [None if loop is None else _bind_loop(loop, operands) for loop in loops]
-    between, last = list(zip(program.stages, calls[:-1], strict=False)), calls[-1]
-    assert last is not None
+    stages_before_last, last_call = list(zip(program.stages, calls[:-1], strict=False)), calls[-1]
+    assert last_call is not None
 
     def run(ranges: Sequence[NDArray[np.int64]], results: Iterable[Array]) -> None:
         columns: dict[int, Array] = {}
-        for stage, call in between:
+        for stage, call in stages_before_last:
             if call is not None:
                 count = cells_between(ranges[0])
-                made = {node.number: np.empty(count, node.dtype) for node in stage.columns}
-                call(ranges[:2], columns, made.values())
-                columns |= made
-            with np.errstate(all="ignore"):  # it is a setting of the thread
+                outputs = {node.number: np.empty(count, node.dtype) for node in stage.columns}
+                call(ranges[:2], columns, outputs.values())
+                columns |= outputs
+            with np.errstate(all="ignore"):  # each thread has its own
                 for node in stage.functions:
-                    inputs = (columns[n.number] if isinstance(n, Node) else n for n in node.inputs)
+                    inputs = (
+                        columns[operand.number] if isinstance(operand, Node) else operand
+                        for operand in node.inputs
+                    )
                     columns[node.number] = node.function(*inputs)  # type: ignore[misc]
-        last(ranges, columns, results)
+        last_call(ranges, columns, results)
 
     return run
 
@@ -285,9 +296,9 @@ def _bind_loop(
         columns: Mapping[int, Array],
         results: Iterable[Array],
     ) -> None:
-        own = [columns[node.number] for node in loop.columns]
+        loop_columns = [columns[node.number] for node in loop.columns]
         rows = (np.empty(LONGEST_ROW) for _ in loop.rows)
-        function(*ranges, *inputs, *own, *rows, *results)
+        function(*ranges, *inputs, *loop_columns, *rows, *results)
 
     return call
 
@@ -300,7 +311,7 @@ def lay_out_operands(
     A value that changes along the row is spread over all of it.
     """
     order, shape = program.order, grid.shape
-    row = math.prod(shape[name] for name in order.inner)
+    row_length = math.prod(shape[name] for name in order.inner)
     operands: dict[int, Any] = {}
     for leaf in (node for stage in program.stages if stage.loop for node in stage.loop.arrays):
         node = traced.graph.nodes[int(leaf.name)]
@@ -308,15 +319,15 @@ def lay_out_operands(
         if not value.ndim:
             operands[leaf.number] = value[()].item()
             continue
-        kept, is_row = order.kept(node), order.is_row(node)
-        whole = [shape[name] for name in kept] + [row] * is_row
-        laid = value if not is_row else value.astype(np.float64, copy=False)
-        if value.size != math.prod(whole):
+        loop_axes, is_row = order.kept(node), order.is_row(node)
+        shape_of_array = [shape[name] for name in loop_axes] + [row_length] * is_row
+        array = value if not is_row else value.astype(np.float64, copy=False)
+        if value.size != math.prod(shape_of_array):
             lengths = [
-                shape[name] if name in kept or (name in order.inner and is_row) else 1
+                shape[name] if name in loop_axes or (name in order.inner and is_row) else 1
                 for name in order.axes
             ]
-            laid = np.empty(lengths, laid.dtype)
-            laid[...] = value
-        operands[leaf.number] = np.ascontiguousarray(laid.reshape(whole))
+            array = np.empty(lengths, array.dtype)
+            array[...] = value
+        operands[leaf.number] = np.ascontiguousarray(array.reshape(shape_of_array))
     return operands

@@ -44,15 +44,15 @@ def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array
     return np.ascontiguousarray(np.moveaxis(np.stack(sets), 2, 0)) + 0.5 ** (BITS + 1)
 
 
-def values_at(uncertain: Mapping[str, Distribution], shares: Array) -> dict[str, Array]:
+def values_at(uncertain: Mapping[str, Distribution], fractions: Array) -> dict[str, Array]:
     """Return the parameters at points of the unit box, in SI units and radians.
 
-    `shares`, shape (parameters, ...), are the points: for each parameter, in the order of
-    `uncertain`, the share of its distribution below the value.
+    `fractions`, shape (parameters, ...), are the points: for each parameter, in the order of
+    `uncertain`, the fraction of its distribution below the value.
     """
     return {
-        name: parameter_to_si(name, distributions.quantiles(name, one, share))
-        for (name, one), share in zip(uncertain.items(), shares, strict=True)
+        name: parameter_to_si(name, distributions.quantiles(name, distribution, fraction))
+        for (name, distribution), fraction in zip(uncertain.items(), fractions, strict=True)
     }
 
 
@@ -79,63 +79,67 @@ def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
 
     `values` have the shape (..., sets, points of a set); the results have the shape (...).
     """
-    known = np.isfinite(values)
-    number = known.sum(axis=(-2, -1), keepdims=True)
-    values = np.where(known, values, 0.0)
+    is_known = np.isfinite(values)
+    count = is_known.sum(axis=(-2, -1), keepdims=True)
+    values = np.where(is_known, values, 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        centre = values.sum(axis=(-2, -1), keepdims=True) / number
-        # Sums about the mean of all: those about 0 would lose digits.
-        away = np.where(known, values - centre, 0.0)
-        sums = np.stack([known.sum(axis=-1, dtype=np.float64), away.sum(-1), (away**2).sum(-1)])
+        centre = values.sum(axis=(-2, -1), keepdims=True) / count
+        # Moments about the mean of all points: those about 0 would lose digits.
+        deviations = np.where(is_known, values - centre, 0.0)
+        sums = np.stack(
+            [is_known.sum(axis=-1, dtype=np.float64), deviations.sum(-1), (deviations**2).sum(-1)]
+        )
         sums = np.moveaxis(sums, -1, 1)
 
         def moments(sums: Array) -> Array:
             count, first, second = sums
             mean = first / count
-            left = np.maximum(second / count - mean**2, 0.0)
-            return np.stack([mean, np.sqrt(left * count / (count - 1))])
+            variance = np.maximum(second / count - mean**2, 0.0)
+            return np.stack([mean, np.sqrt(variance * count / (count - 1))])
 
         estimate, error = moments(sums.sum(axis=1)), error_of_mean(moments(sums), axis=1)
     mean = estimate[0] + centre[..., 0, 0]
     return Estimate(mean, error[0]), Estimate(estimate[1], error[1])
 
 
-def quantiles(values: Array, shares: Array) -> Estimate:
-    """Return quantiles of random points with errors, shape (shares, ...), ignoring NaN.
+def quantiles(values: Array, fractions: Array) -> Estimate:
+    """Return quantiles of random points with errors, shape (fractions, ...), ignoring NaN.
 
-    `values` have the shape (..., sets, points of a set), `shares` are those of the values below.
+    `values` have the shape (..., sets, points of a set), `fractions` are of the values below.
     """
     flat = values.reshape(*values.shape[:-2], -1)
-    # Where one scrambling has no value at all, there is no telling how far they lie apart.
-    return Estimate(quantile(flat, shares), error_of_mean(quantile(values, shares)))
+    # The error is NaN where one scrambling has no value at all.
+    return Estimate(quantile(flat, fractions), error_of_mean(quantile(values, fractions)))
 
 
-def quantile(values: Array, shares: Array) -> Array:
-    """Return quantiles of the values along the last axis, ignoring NaN, shape (shares, ...).
+def quantile(values: Array, fractions: Array) -> Array:
+    """Return quantiles of the values along the last axis, ignoring NaN, shape (fractions, ...).
 
     Between two neighbouring values it is linear, as numpy does by default; NaN without any.
     """
     values = np.sort(values, axis=-1)  # NaN come last
-    number = np.isfinite(values).sum(axis=-1)
-    rank = np.multiply.outer(shares, np.maximum(number - 1, 0))
-    below = np.floor(rank).astype(np.intp)
-    above = np.minimum(below + 1, np.maximum(number - 1, 0))
-    low = np.take_along_axis(values[None], below[..., None], axis=-1)[..., 0]
-    high = np.take_along_axis(values[None], above[..., None], axis=-1)[..., 0]
-    part = rank - below
-    return np.where(part == 0, low, low + (high - low) * part)
+    count = np.isfinite(values).sum(axis=-1)
+    rank = np.multiply.outer(fractions, np.maximum(count - 1, 0))
+    lower_index = np.floor(rank).astype(np.intp)
+    upper_index = np.minimum(lower_index + 1, np.maximum(count - 1, 0))
+    low = np.take_along_axis(values[None], lower_index[..., None], axis=-1)[..., 0]
+    high = np.take_along_axis(values[None], upper_index[..., None], axis=-1)[..., 0]
+    remainder = rank - lower_index
+    return np.where(remainder == 0, low, low + (high - low) * remainder)
 
 
-def probability(met: Mask) -> Estimate:
+def probability(has_happened: Mask) -> Estimate:
     """Return the probability of an event with its error, shape (...), from random points.
 
-    `met` is of shape (..., sets, points). Where all agree the error is at least one point's share.
+    `has_happened` is of shape (..., sets, points). Where all agree the error is at least 1/points.
     """
-    replicates, count = met.shape[-2:]
-    each = met.mean(axis=-1)
-    return Estimate(each.mean(axis=-1), np.maximum(error_of_mean(each), 1 / (replicates * count)))
+    replicates, count = has_happened.shape[-2:]
+    by_set = has_happened.mean(axis=-1)
+    return Estimate(
+        by_set.mean(axis=-1), np.maximum(error_of_mean(by_set), 1 / (replicates * count))
+    )
 
 
-def share(lost: NDArray[np.bool_]) -> Any:
-    """Return the share of points that have no value, (..., replicates, count)."""
-    return lost.mean(axis=(-2, -1))
+def fraction_of(without_value: NDArray[np.bool_]) -> Any:
+    """Return the fraction of points without a value; the mask is (..., replicates, count)."""
+    return without_value.mean(axis=(-2, -1))

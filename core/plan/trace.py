@@ -95,7 +95,7 @@ class Node(NDArrayOperatorsMixin):
     @property
     def before(self) -> "Iterator[Node]":
         """The nodes among its inputs."""
-        return (one for one in self.inputs if isinstance(one, Node))
+        return (operand for operand in self.inputs if isinstance(operand, Node))
 
     def __array_ufunc__(
         self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
@@ -110,8 +110,7 @@ class Node(NDArrayOperatorsMixin):
         return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)  # in place: a new value
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        # An iteration that ends when no cell is left goes on to its last step, which changes no
-        # cell that had ended.
+        # An iteration never ends by `if not np.any(...)`: further steps change no finished cell.
         if func is np.any and len(args) == 1 and not kwargs:
             return True
         if func is not np.where or len(args) != 3 or kwargs:
@@ -147,16 +146,18 @@ class Graph:
 
     def apply(self, function: Function, inputs: Iterable[Any]) -> Any:
         """Return the node (one for equal steps) or number for a function of nodes and numbers."""
-        operands = tuple(one if isinstance(one, Node) else _number(one) for one in inputs)
-        nodes = [one for one in operands if isinstance(one, Node)]
+        operands = tuple(
+            operand if isinstance(operand, Node) else _number(operand) for operand in inputs
+        )
+        nodes = [operand for operand in operands if isinstance(operand, Node)]
         if not nodes:
             return function(*operands)
-        simpler = SIMPLER[function](operands) if function in SIMPLER else None
-        if simpler is not None:
-            return simpler[0]
+        simplified = SIMPLER[function](operands) if function in SIMPLER else None
+        if simplified is not None:
+            return simplified[0]
         key = (function, *map(_identity, operands))
         if key not in self._known:
-            axes = frozenset().union(*(one.axes for one in nodes))
+            axes = frozenset().union(*(operand.axes for operand in nodes))
             self._known[key] = Node(self, function, operands, axes, _dtype(function, operands))
         return self._known[key]
 
@@ -176,7 +177,9 @@ def _identity(operand: Any) -> Any:
 
 
 def _dtype(function: Function, operands: Iterable[Any]) -> np.dtype[Any]:
-    samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in operands)
+    samples = (
+        np.ones(1, operand.dtype) if isinstance(operand, Node) else operand for operand in operands
+    )
     with np.errstate(all="ignore"):
         try:
             return np.asarray(function(*samples)).dtype
@@ -240,9 +243,9 @@ def traced(plan: Plan, along: Mapping[str, str]) -> Traced | None:
     `along` has the axis of each parameter with several values. Others are nodes too: equal plans
     share the graph.
     """
-    given = (*plan.parameters, *plan.defaults)
+    parameters = (*plan.parameters, *plan.defaults)
     ranged = tuple((name, axis) for name, axis in along.items() if name in plan.parameters)
-    return _traced(plan.equations, plan.verdicts, plan.outputs, given, ranged)
+    return _traced(plan.equations, plan.verdicts, plan.outputs, parameters, ranged)
 
 
 @lru_cache(maxsize=256)
@@ -253,11 +256,14 @@ def _traced(
     parameters: tuple[str, ...],
     ranged: tuple[tuple[str, str], ...],
 ) -> Traced | None:
+    # The equations run on nodes in place of arrays, which record each operation.
     graph = Graph()
     axes = {name: {axis} for name, axis in ranged}
     leaves = {name: graph.leaf(name, axes.get(name, ())) for name in parameters}
     try:
-        known = run(equations, leaves)
-        return Traced(graph, {n: known[n] for n in outputs} | regimes_of(verdicts, known))
+        values = run(equations, leaves)
+        return Traced(
+            graph, {name: values[name] for name in outputs} | regimes_of(verdicts, values)
+        )
     except UntraceableError:
         return None

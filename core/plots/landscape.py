@@ -19,8 +19,8 @@ from vibrafeed.core.intake import parse_json
 from vibrafeed.core.optimise.optima import designs_of
 from vibrafeed.core.optimise.optimisation import Optimisation, criterion_in_words
 from vibrafeed.core.optimise.prepare import prepare
-from vibrafeed.core.optimise.problem import STATUS, Kept, OptimisationProblem, chosen_cells
-from vibrafeed.core.optimise.uncertain import BLOCK, pictured
+from vibrafeed.core.optimise.problem import STATUS, OptimisationProblem, OutputBound, chosen_cells
+from vibrafeed.core.optimise.uncertain import BLOCK, with_fresh_nodes
 from vibrafeed.core.plan.grid import from_si, to_si
 from vibrafeed.core.plots.parts import (
     add_colour_bar,
@@ -129,7 +129,7 @@ def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Op
     figure = style.sheet()
     panel = figure.add_subplot()
     entries = (_draw_curve if len(names) == 1 else _draw_plane)(panel, shown, style)
-    counted = pictured(problem)
+    counted = with_fresh_nodes(problem)
     facts = [
         criterion_in_words(problem),
         *([f"over {counted.nodes:,} points"] if counted.is_sampled else []),
@@ -149,7 +149,7 @@ def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Op
     )  # fmt: skip
 
 
-def _limit(kept: Kept, units: ShownUnits) -> str:
+def _limit(kept: OutputBound, units: ShownUnits) -> str:
     """Return the label of a constraint for the legend, such as "throw number < 3"."""
     if kept.name not in (f"{kept.output}_lower", f"{kept.output}_upper") or kept.bound is None:
         return words(kept.name)
@@ -213,7 +213,7 @@ def _computed(
         drawn.append(scaled(variable, unit.factor))
         labels.append(axis_label(variable, unit.unit))
         tops.append(unit.factor * np.atleast_1d(best[f"best_{name}"].values))
-    objective = _objective(pictured(problem), grid, design)
+    objective = _objective(with_fresh_nodes(problem), grid, design)
     value = _array(problem.criterion.output, problem.sign * over(objective))
     unit = shown_in(value, units)
     return Landscape(
@@ -223,7 +223,7 @@ def _computed(
         label=axis_label(value, unit.unit),
         margins={
             _limit(kept, units): _excluding(over(problem.safe_margin(kept, grid, design)))
-            for kept in problem.kept
+            for kept in problem.constraints
         },
         best=np.array(tops) if _is_solved(best) else np.empty((len(tops), 0)),
     )
@@ -234,7 +234,7 @@ def _objective(problem: OptimisationProblem, grid: Array, design: Mapping[str, A
     flat = grid.reshape(len(grid), -1)
     step = BLOCK // problem.nodes
     pieces = [
-        np.broadcast_to(problem.counted(part, design), part.shape[1])
+        np.broadcast_to(problem.objective_statistic(part, design), part.shape[1])
         for part in (flat[:, start : start + step] for start in range(0, flat.shape[1], step))
     ]
     return np.concatenate(pieces).reshape(grid.shape[1:])

@@ -80,12 +80,14 @@ class Budget:
     @cached_property
     def ends(self) -> Array:
         """The ends of the tolerances, shape (2, parameters), in the units of studies."""
-        return np.array([tolerance(name, one) for name, one in self.distributions.items()]).T
+        return np.array(
+            [tolerance(name, distribution) for name, distribution in self.distributions.items()]
+        ).T
 
     @cached_property
     def middle(self) -> Array:
         """The nominal values, shape (parameters,), in the units of studies."""
-        return np.array([nominal(one) for one in self.distributions.values()])
+        return np.array([nominal(distribution) for distribution in self.distributions.values()])
 
     @cached_property
     def _steps(self) -> Array:
@@ -94,20 +96,31 @@ class Budget:
     @cached_property
     def _points(self) -> Array:
         count = len(self.middle)
-        unit = np.eye(count)
+        unit_vectors = np.eye(count)
         lower, upper, middle = self.ends[0], self.ends[1], self.middle
-        # At an end of its tolerance a parameter steps inwards: differences stay within the box.
+        # Rows are points of the parameters; one parameter at a time leaves its nominal value, and
+        # near an end of its tolerance its differences are taken further inside.
         centre = np.clip(middle, lower + self._steps, upper - self._steps)
-        rows = [middle[None], middle + unit * (lower - middle), middle + unit * (upper - middle)]
-        base = middle + unit * (centre - middle)
-        rows += [base, *(base + unit * (step * self._steps) for step in (-1.0, -0.5, 0.5, 1.0))]
+        blocks = [
+            middle[None],
+            middle + unit_vectors * (lower - middle),
+            middle + unit_vectors * (upper - middle),
+        ]
+        inner_centres = middle + unit_vectors * (centre - middle)
+        blocks += [
+            inner_centres,
+            *(
+                inner_centres + unit_vectors * (step * self._steps)
+                for step in (-1.0, -0.5, 0.5, 1.0)
+            ),
+        ]
         inside = points(count, INSIDE, self.seed)[:, 0].T
         if count <= MAX_CORNERS:
             corners = np.array(list(product((0.0, 1.0), repeat=count)))
         else:
             corners = np.round(points(count, 1 << MAX_CORNERS, self.seed + 1)[:, 0].T)
-        rows.append(lower + (upper - lower) * np.concatenate([corners, inside]))
-        return np.ascontiguousarray(np.concatenate(rows).T)
+        blocks.append(lower + (upper - lower) * np.concatenate([corners, inside]))
+        return np.ascontiguousarray(np.concatenate(blocks).T)
 
     @property
     def size(self) -> int:
@@ -135,24 +148,31 @@ class Budget:
         """
         count = len(self.middle)
         values = values.T
-        parts = values[1 : 1 + 7 * count].reshape(7, count, -1)
-        at_lower, at_upper, base, far_below, below, above, far_above = parts
+        by_kind = values[1 : 1 + 7 * count].reshape(7, count, -1)
+        at_lower, at_upper, centre, far_below, below, above, far_above = by_kind
         steps = self._steps[:, None]
         with np.errstate(invalid="ignore", divide="ignore"):
-            quotients = slopes_of(np.stack([far_below, below, above, far_above, base]), steps)
-            half = (self.ends[1] - self.ends[0])[:, None] / 2
-            whole = np.maximum(np.abs(at_lower - values[0]), np.abs(at_upper - values[0])) / half
-            near, far = np.abs(quotients.near), np.abs(quotients.apart)
-            bends = (near <= SMOOTH * far) & (far <= BENT * whole)
-            slope = np.where(bends | (near <= EVEN * quotients.largest), quotients.slope, np.nan)
-            spread = np.array([deviation(name, one) for name, one in self.distributions.items()])
-            variance = (slope * spread[:, None]) ** 2
-            share = variance / variance.sum(axis=0)
-        seen = np.where(np.isfinite(values), values, np.nan)
-        lost = np.isnan(seen).all(axis=0)
-        seen = np.where(lost, 0.0, seen)
-        least, most = np.nanmin(seen, axis=0), np.nanmax(seen, axis=0)
+            quotients = slopes_of(np.stack([far_below, below, above, far_above, centre]), steps)
+            half_widths = (self.ends[1] - self.ends[0])[:, None] / 2
+            end_slopes = (
+                np.maximum(np.abs(at_lower - values[0]), np.abs(at_upper - values[0])) / half_widths
+            )
+            half_step_jump, step_jump = np.abs(quotients.near), np.abs(quotients.apart)
+            # The jump of slopes halves with the step where the output is smooth.
+            is_smooth = (half_step_jump <= SMOOTH * step_jump) & (step_jump <= BENT * end_slopes)
+            slope = np.where(
+                is_smooth | (half_step_jump <= EVEN * quotients.largest), quotients.slope, np.nan
+            )
+            deviations = np.array(
+                [deviation(name, distribution) for name, distribution in self.distributions.items()]
+            )
+            variance = (slope * deviations[:, None]) ** 2
+            variance_shares = variance / variance.sum(axis=0)
+        finite_values = np.where(np.isfinite(values), values, np.nan)
+        without_value = np.isnan(finite_values).all(axis=0)
+        finite_values = np.where(without_value, 0.0, finite_values)
+        smallest, largest = np.nanmin(finite_values, axis=0), np.nanmax(finite_values, axis=0)
         return BudgetValues(
-            values[0], at_lower, at_upper, slope * half, share,
-            np.where(lost, np.nan, least), np.where(lost, np.nan, most),
+            values[0], at_lower, at_upper, slope * half_widths, variance_shares,
+            np.where(without_value, np.nan, smallest), np.where(without_value, np.nan, largest),
         )  # fmt: skip

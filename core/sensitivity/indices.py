@@ -44,12 +44,13 @@ class Indices(NamedTuple):
 
 def design(inputs: int, count: int, seed: int, replicates: int = REPLICATES) -> Array:
     """Return the points in the unit box at which outputs are evaluated for Sobol indices."""
-    both = points(2 * inputs, count, seed, replicates)
-    a, b = both[:inputs], both[inputs:]
+    base_points = points(2 * inputs, count, seed, replicates)
+    a, b = base_points[:inputs], base_points[inputs:]
     sample = np.repeat(a[:, None], inputs + 2, axis=1)
     sample[:, 1] = b
-    for i in range(inputs):
-        sample[i, 2 + i] = b[i]
+    # Rows: a, b, then for each input a with that input from b.
+    for number in range(inputs):
+        sample[number, 2 + number] = b[number]
     return sample
 
 
@@ -59,31 +60,32 @@ def indices_of(values: Array) -> Indices:
     The first index of an input is the share of the variance due to it alone, the total one its
     share with all interactions. Errors come from the scatter of independent sets of points.
     """
-    known = np.asarray(np.isfinite(values).all(axis=-3, keepdims=True))
-    values = np.where(known, values, 0.0)
-    number = 2 * known.sum(axis=(-2, -1), keepdims=True)
-    # Around 0 products vary least, and means of squares lose fewest digits.
-    both = values[..., :2, :, :].sum(axis=(-3, -2, -1), keepdims=True)
-    centre = both / np.maximum(number, 1)
-    values = np.where(known, values - centre, 0.0)
+    is_known = np.asarray(np.isfinite(values).all(axis=-3, keepdims=True))
+    values = np.where(is_known, values, 0.0)
+    point_count = 2 * is_known.sum(axis=(-2, -1), keepdims=True)
+    # Centred values: their products vary least, and means of squares lose fewest digits.
+    total_sum = values[..., :2, :, :].sum(axis=(-3, -2, -1), keepdims=True)
+    centre = total_sum / np.maximum(point_count, 1)
+    values = np.where(is_known, values - centre, 0.0)
     a, b, ab = values[..., 0, :, :], values[..., 1, :, :], values[..., 2:, :, :]
-    count = known[..., 0, :, :].sum(axis=-1, dtype=np.float64)
-    shared = np.stack([count, (a + b).sum(axis=-1), (a * a + b * b).sum(axis=-1)])
+    count = is_known[..., 0, :, :].sum(axis=-1, dtype=np.float64)
+    common_sums = np.stack([count, (a + b).sum(axis=-1), (a * a + b * b).sum(axis=-1)])
+    # First: sum of b (ab - a) over the variance; total: sum of (a - ab)^2/2 over the variance.
     first = (b[..., None, :, :] * (ab - a[..., None, :, :])).sum(axis=-1)
     total = ((a[..., None, :, :] - ab) ** 2).sum(axis=-1) / 2
-    size = np.asarray(np.abs(centre[..., 0, 0, 0]))
+    centre_size = np.asarray(np.abs(centre[..., 0, 0, 0]))
 
     def estimate(sums: Array) -> Array:
-        count, both, squares, *means = sums
-        mean = both / (2 * count)
+        count, total_sum, squares, *means = sums
+        mean = total_sum / (2 * count)
         variance = squares / (2 * count) - mean**2
-        sound = np.logical_and(count > 1, variance > (FLAT * size[..., None]) ** 2)
-        return np.where(sound, np.stack(means) / count / variance, np.nan)
+        is_valid = np.logical_and(count > 1, variance > (FLAT * centre_size[..., None]) ** 2)
+        return np.where(is_valid, np.stack(means) / count / variance, np.nan)
 
-    # One axis of inputs for all: sums are (what, replicates, ..., inputs).
-    shared = np.moveaxis(shared, -1, 1)[..., None]
-    own = np.moveaxis(np.stack([first, total]), -1, 1)
-    sums = np.concatenate([np.broadcast_to(shared, (3, *own.shape[1:])), own])
+    # Sums of shape (kind of sum, replicates, ..., inputs).
+    common_sums = np.moveaxis(common_sums, -1, 1)[..., None]
+    input_sums = np.moveaxis(np.stack([first, total]), -1, 1)
+    sums = np.concatenate([np.broadcast_to(common_sums, (3, *input_sums.shape[1:])), input_sums])
     with np.errstate(invalid="ignore", divide="ignore"):
         first, total = estimate(sums.sum(axis=1))
         first_error, total_error = error_of_mean(estimate(sums), axis=1)

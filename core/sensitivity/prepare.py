@@ -35,12 +35,12 @@ LEVEL = "level"
 """The dimension of the quantiles of which a whole distribution is drawn."""
 
 
-def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
+def _variables_of_demand(demand: Demand) -> Iterator[ResultVariable]:
     name = f"probability_{demand.name}"
-    what = f"robability of {in_words(demand)}"
+    label = f"robability of {in_words(demand)}"
     comment = "Points without a valid value count as not meeting it."
-    yield ResultVariable(name, (), "1", f"P{what}", comment, demand.model_dump(exclude_none=True))
-    yield ResultVariable(f"{name}_error", (), "1", f"Error of the p{what}", INTERVAL)
+    yield ResultVariable(name, (), "1", f"P{label}", comment, demand.model_dump(exclude_none=True))
+    yield ResultVariable(f"{name}_error", (), "1", f"Error of the p{label}", INTERVAL)
 
 
 def in_words(demand: Demand) -> str:
@@ -59,20 +59,22 @@ def in_words(demand: Demand) -> str:
     return f"{in_sentence(output.label)} {' and '.join(ends)}"
 
 
-def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
+def _variables_of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
     quantity = QUANTITIES[name]
-    unit, what = quantity.unit, in_sentence(quantity.label)
+    unit, lowered_label = quantity.unit, in_sentence(quantity.label)
 
     def variable(
-        part: str, words: str, comment: str, over: str = "", unit: str = unit
+        part: str, words: str, comment: str, dim: str = "", unit: str = unit
     ) -> ResultVariable:
-        dims = (over,) if over else ()
-        return ResultVariable(f"{name}_{part}", dims, unit, f"{words} of the {what}", comment)
+        dims = (dim,) if dim else ()
+        return ResultVariable(
+            f"{name}_{part}", dims, unit, f"{words} of the {lowered_label}", comment
+        )
 
-    def with_error(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Any:
-        yield variable(part, words, comment, over, unit)
+    def with_error(part: str, words: str, comment: str, dim: str = "", unit: str = unit) -> Any:
+        yield variable(part, words, comment, dim, unit)
         error = f"Error of the {in_sentence(words)}"
-        yield variable(f"{part}_error", error, INTERVAL, over, unit)
+        yield variable(f"{part}_error", error, INTERVAL, dim, unit)
 
     if "distribution" in study.analyses:
         yield from with_error("mean", "Mean", "Over the points that have a valid value.")
@@ -147,9 +149,9 @@ class Sensitivity(Prepared):
     @cached_property
     def result_variables(self) -> dict[str, ResultVariable]:
         """Every variable of the result except the verdicts."""
-        of_outputs = (_of_output(self.study, name) for name in self.outputs)
-        found = chain(*map(_of_demand, self.study.demands), *of_outputs)
-        return {one.name: one for one in found}
+        of_outputs = (_variables_of_output(self.study, name) for name in self.outputs)
+        variables = chain(*map(_variables_of_demand, self.study.demands), *of_outputs)
+        return {variable.name: variable for variable in variables}
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
@@ -159,21 +161,21 @@ class Sensitivity(Prepared):
         quantiles or levels.
         """
         axes = tuple(self.grid.axes)
-        found = {name: (*one.dims, *axes) for name, one in self.result_variables.items()}
-        return {**found, **dict.fromkeys(self.plan.verdict_names, axes)}
+        dims = {name: (*variable.dims, *axes) for name, variable in self.result_variables.items()}
+        return {**dims, **dict.fromkeys(self.plan.verdict_names, axes)}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each variable."""
         flags = dict.fromkeys(self.plan.verdict_names, "1")
-        return {name: one.unit for name, one in self.result_variables.items()} | flags
+        return {name: variable.unit for name, variable in self.result_variables.items()} | flags
 
     @property
     def sizes(self) -> Mapping[str, int]:
         """The length of each dimension."""
         quantiles = len(self.study.quantiles)
-        more = {UNCERTAIN: len(self.uncertain), QUANTILE: quantiles, LEVEL: LEVELS}
-        return {**more, **self.grid.shape}
+        own_sizes = {UNCERTAIN: len(self.uncertain), QUANTILE: quantiles, LEVEL: LEVELS}
+        return {**own_sizes, **self.grid.shape}
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Return values unchanged: they are computed in the units of files."""
@@ -190,20 +192,21 @@ class Sensitivity(Prepared):
         return evaluations_of(self.study, self.budget)
 
     def _new_price(self) -> Price:
-        rough = None
+        # Motions are priced by some that are spread over the tolerances.
+        untimed = None
         if any(equation.takes_long for equation in self.plan.equations):
-            rough = methods_of(self.plan.scene.name)[self.plan.variant].seconds_a_cell
+            untimed = methods_of(self.plan.scene.name)[self.plan.variant].seconds_a_cell
         ends = {
-            name: tuple(to_si(name, np.array(tolerance(name, one))).tolist())
-            for name, one in self.uncertain.items()
+            name: tuple(to_si(name, np.array(tolerance(name, distribution))).tolist())
+            for name, distribution in self.uncertain.items()
         }
-        one = price(self.plan, self.grid, rough, ends)
+        price_of_motion = price(self.plan, self.grid, untimed, ends)
         counting = COUNT_SECONDS * len(self.plan.outputs)
-        return Price(one.start, self.evaluations * (one.cell + counting))
+        return Price(price_of_motion.start, self.evaluations * (price_of_motion.cell + counting))
 
-    def what_fits(self, share: float) -> str:
+    def what_fits(self, fraction: float) -> str:
         """Return a sentence that says how to shrink the study to a share of its size."""
-        return super().what_fits(share) if self.grid.shape else "It fits with fewer outputs"
+        return super().what_fits(fraction) if self.grid.shape else "It fits with fewer outputs"
 
 
 def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
@@ -220,7 +223,7 @@ def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
 
 def prepare(study: SensitivityStudy) -> Sensitivity:
     """Return a study with uncertain parameters as checked and planned, ready to be computed."""
-    uncertain, asked = study.distributions(), study.asked()
+    uncertain, outputs = study.distributions(), study.asked()
     if not uncertain:
         raise refused(
             "uncertain",
@@ -228,19 +231,23 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
             "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }",
         )
     problems = [*_problems_of(study)]
-    given = (*study.values(), *uncertain)
+    parameters = (*study.values(), *uncertain)
     try:
-        chosen = choose(Sketch(study.scene, study.variant, study.method, asked, given))
+        chosen = choose(Sketch(study.scene, study.variant, study.method, outputs, parameters))
     except StudyError as error:
         raise StudyError([*problems, *error.problems]) from None
     problems += drive_refusal(study, chosen[0])
     values = study.values()
-    spans = {n: _span(n, one) for n, one in uncertain.items() if n not in values}
+    ranges = {
+        name: _span(name, distribution)
+        for name, distribution in uncertain.items()
+        if name not in values
+    }
     try:
-        plan, grid = plan_study(study, asked, chosen, spans)
+        plan, grid = plan_study(study, outputs, chosen, ranges)
     except StudyError as error:
-        told = [*problems, *(locate_problem(one, study) for one in error.problems)]
-        raise StudyError(told) from None
+        all_problems = [*problems, *(locate_problem(problem, study) for problem in error.problems)]
+        raise StudyError(all_problems) from None
     problems += _problems_of_regimes(study, plan)
     raise_any(problems)
     prepared = Sensitivity(study, plan, grid)
@@ -310,9 +317,9 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
     seen: set[str] = set()
     for number, demand in enumerate(demands):
         path = f"demands.{number}"
-        wrong = _unclear(demand)
-        if wrong is not None:
-            yield Problem(path, *wrong)
+        fault = _fault_of_demand(demand)
+        if fault is not None:
+            yield Problem(path, *fault)
         if demand.output in FLAGS:
             yield Problem(
                 f"{path}.output",
@@ -330,7 +337,7 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
         seen.add(demand.name)
 
 
-def _unclear(demand: Demand) -> tuple[str, str] | None:
+def _fault_of_demand(demand: Demand) -> tuple[str, str] | None:
     is_bounded = demand.at_least is not None or demand.at_most is not None
     if (demand.output is None) == (demand.regime is None):
         return "it names neither or both", "Name an output, or a regime"

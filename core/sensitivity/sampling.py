@@ -52,17 +52,23 @@ def compute(prepared: Sensitivity, watch: Watch) -> Computed:
         for name, values in prepared.grid.si().items()
         if name in prepared.plan.parameters
     }
-    step = max(1, BLOCK // prepared.evaluations)
+    designs_at_a_time = max(1, BLOCK // prepared.evaluations)
     blocks: dict[str, list[NDArray[Any]]] = defaultdict(list)
-    for start in range(0, prepared.cells, step):
-        some = {name: values[start : start + step] for name, values in designs.items()}
-        count = min(step, prepared.cells - start)
-        part = watch.part(count / prepared.cells / prepared.evaluations)
-        for name, values in _variables(_Evaluator(prepared, some, count, part)).items():
+    for start in range(0, prepared.cells, designs_at_a_time):
+        block_designs = {
+            name: values[start : start + designs_at_a_time] for name, values in designs.items()
+        }
+        count = min(designs_at_a_time, prepared.cells - start)
+        part_watch = watch.part(count / prepared.cells / prepared.evaluations)
+        for name, values in _variables(
+            _Evaluator(prepared, block_designs, count, part_watch)
+        ).items():
             blocks[name].append(values)
     # Designs are the last axis; a dimension of an answer stands before it.
     arrays = {name: np.concatenate(parts, axis=-1) for name, parts in blocks.items()}
-    return Computed({n: one.reshape((*one.shape[:-1], *shape)) for n, one in arrays.items()})
+    return Computed(
+        {name: values.reshape((*values.shape[:-1], *shape)) for name, values in arrays.items()}
+    )
 
 
 class _Evaluator:
@@ -72,7 +78,7 @@ class _Evaluator:
         self, prepared: Sensitivity, designs: Mapping[str, Array], count: int, watch: Watch
     ):
         self.prepared, self.designs, self.count, self.watch = prepared, designs, count, watch
-        self.long = sum(one.takes_long for one in prepared.plan.equations)
+        self.long = sum(equation.takes_long for equation in prepared.plan.equations)
 
     def of(self, samples: Mapping[str, Array]) -> Arrays:
         """Return outputs and regimes of all designs at values of the uncertain parameters.
@@ -81,32 +87,40 @@ class _Evaluator:
         n), in the units of studies; outputs are NaN where there is no sound value. Raises
         `StoppedError` if the watch stops it.
         """
-        number = next(iter(samples.values())).size
-        step = max(1, BLOCK // self.count)
+        points = next(iter(samples.values())).size
+        points_at_a_time = max(1, BLOCK // self.count)
         parts = []
-        for start in range(0, number, step):
-            parts.append(self._some({n: part[start : start + step] for n, part in samples.items()}))
+        for start in range(0, points, points_at_a_time):
+            parts.append(
+                self._evaluate(
+                    {name: part[start : start + points_at_a_time] for name, part in samples.items()}
+                )
+            )
             if self.watch.stopped():
                 raise StoppedError(
                     "the study was stopped before all its points were computed; run it again"
                 )
         return {name: np.concatenate([part[name] for part in parts], -1) for name in parts[0]}
 
-    def _some(self, samples: Mapping[str, Array]) -> Arrays:
-        plan, number = self.prepared.plan, next(iter(samples.values())).size
-        shape = (self.count, number)
+    def _evaluate(self, samples: Mapping[str, Array]) -> Arrays:
+        # Outputs, NaN where a regime is not valid, and regimes, shape (designs, points).
+        plan, points = self.prepared.plan, next(iter(samples.values())).size
+        shape = (self.count, points)
         with np.errstate(all="ignore"):
-            part = self.watch.part(number / self.long) if self.long else None
-            known = run_equations(plan, {**self.designs, **samples}, part)
-            arrays: Arrays = {n: np.broadcast_to(v, shape) for n, v in regimes(plan, known).items()}
+            part_watch = self.watch.part(points / self.long) if self.long else None
+            results = run_equations(plan, {**self.designs, **samples}, part_watch)
+            arrays: Arrays = {
+                name: np.broadcast_to(verdict_values, shape)
+                for name, verdict_values in regimes(plan, results).items()
+            }
         if not self.long:
-            self.watch.advance(number)
+            self.watch.advance(points)
         valid = {name: is_valid(verdict) for name, verdict in arrays.items()}
         for name in plan.outputs:
-            values = np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
+            values = np.asarray(from_si(name, np.asarray(results[name], dtype=np.float64)))
             verdict = plan.verdict_on(name)
-            holds = valid[verdict.name] if verdict is not None else True
-            values = np.where(holds & np.isfinite(values), values, np.nan)
+            is_sound = valid[verdict.name] if verdict is not None else True
+            values = np.where(is_sound & np.isfinite(values), values, np.nan)
             arrays[name] = np.broadcast_to(values, shape)
         return arrays
 
@@ -115,64 +129,71 @@ def _variables(evaluator: _Evaluator) -> Arrays:
     prepared = evaluator.prepared
     study = prepared.study
     points = prepared.budget.values()
-    nominal = evaluator.of({name: one[:1] for name, one in points.items()})
+    nominal = evaluator.of({name: numbers[:1] for name, numbers in points.items()})
     statistics_of = {name: nominal[name][..., 0] for name in prepared.plan.verdict_names}
-    statistics_of |= dict(_of_points(evaluator))
+    statistics_of |= dict(_statistics_of_points(evaluator))
     if "budget" in study.analyses:
-        placed = evaluator.of(points)
+        at_points = evaluator.of(points)
         for name in prepared.outputs:
-            told = prepared.budget.budget_of(placed[name])
-            statistics_of |= {f"{name}_{part}": one for part, one in vars(told).items()}
+            budget = prepared.budget.budget_of(at_points[name])
+            statistics_of |= {
+                f"{name}_{statistic}": numbers for statistic, numbers in vars(budget).items()
+            }
     return {name: statistics_of[name] for name in prepared.dims}
 
 
-def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
+def _statistics_of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
     prepared, study = evaluator.prepared, evaluator.prepared.study
     if not ({"distribution", "sobol"} & set(study.analyses) or study.demands):
-        none = np.full(evaluator.count, np.nan)
-        yield from ((f"{name}_left_out", none) for name in prepared.outputs)
+        unknown = np.full(evaluator.count, np.nan)
+        yield from ((f"{name}_left_out", unknown) for name in prepared.outputs)
         return
-    at = design(len(prepared.uncertain), study.samples // REPLICATES, study.seed)
+    unit_points = design(len(prepared.uncertain), study.samples // REPLICATES, study.seed)
     if "sobol" not in study.analyses:
-        at = at[:, :1]  # these tell of distributions, which do not hang on what else is asked
-    drawn = evaluator.of(values_at(prepared.uncertain, at.reshape(len(at), -1)))
-    values = {name: one.reshape(-1, *at.shape[1:]) for name, one in drawn.items()}
+        unit_points = unit_points[:, :1]  # distributions use these, with Sobol indices or without
+    evaluated = evaluator.of(
+        values_at(prepared.uncertain, unit_points.reshape(len(unit_points), -1))
+    )
+    values = {
+        name: values_of_output.reshape(-1, *unit_points.shape[1:])
+        for name, values_of_output in evaluated.items()
+    }
     for demand in study.demands:
-        estimate = statistics.probability(_met(demand, values, prepared.plan.verdict_names))
+        estimate = statistics.probability(_is_met(demand, values, prepared.plan.verdict_names))
         yield f"probability_{demand.name}", estimate.value
         yield f"probability_{demand.name}_error", estimate.error
     for name in prepared.outputs:
         output = values[name]
-        first = output[:, 0]
-        yield f"{name}_left_out", statistics.share(np.isnan(first))
+        sampled = output[:, 0]
+        yield f"{name}_left_out", statistics.fraction_of(np.isnan(sampled))
         if "distribution" in study.analyses:
-            mean, deviation = statistics.mean_and_deviation(first)
-            shares = statistics.quantiles(first, np.array(study.quantiles))
-            pairs = (("mean", mean), ("deviation", deviation), ("quantile", shares))
+            mean, deviation = statistics.mean_and_deviation(sampled)
+            quantiles = statistics.quantiles(sampled, np.array(study.quantiles))
+            pairs = (("mean", mean), ("deviation", deviation), ("quantile", quantiles))
             for part, estimate in pairs:
                 yield f"{name}_{part}", estimate.value
                 yield f"{name}_{part}_error", estimate.error
             levels = np.linspace(0.0, 1.0, statistics.LEVELS)
             yield (
                 f"{name}_distribution",
-                statistics.quantile(first.reshape(len(output), -1), levels),
+                statistics.quantile(sampled.reshape(len(output), -1), levels),
             )
         if "sobol" in study.analyses:
             for part, estimate in indices_of(output)._asdict().items():
                 yield f"{name}_{part}", estimate.T
 
 
-def _met(demand: Demand, values: Arrays, verdicts: Iterable[str]) -> Mask:
+def _is_met(demand: Demand, values: Arrays, verdicts: Iterable[str]) -> Mask:
     if demand.regime is not None:
-        wanted = REGIMES[demand.regime].value
-        return np.any([values[name][:, 0] == wanted for name in verdicts], axis=0)
+        regime_value = REGIMES[demand.regime].value
+        return np.any([values[name][:, 0] == regime_value for name in verdicts], axis=0)
     output = values[str(demand.output)][:, 0]
-    met = np.isfinite(output)
+    is_met = np.isfinite(output)
     if demand.at_least is not None:
-        met = met & (output >= demand.at_least)
+        is_met = is_met & (output >= demand.at_least)
     if demand.at_most is not None:
-        met = met & (output <= demand.at_most)
-    return np.asarray(met)
+        is_met = is_met & (output <= demand.at_most)
+    return np.asarray(is_met)
 
 
 def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
@@ -183,8 +204,8 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
     """
     arrays, dims = computed.arrays, prepared.dims
     variables = {
-        name: TableVariable(dims[name], arrays[name], one.attributes)
-        for name, one in prepared.result_variables.items()
+        name: TableVariable(dims[name], arrays[name], variable.attributes)
+        for name, variable in prepared.result_variables.items()
     }
     for name, verdict in verdict_variables(prepared.plan, dims, arrays).items():
         attributes = {
@@ -198,7 +219,10 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
         {
             **global_attributes(prepared, "over uncertain parameters"),
             "uncertain_parameters": json.dumps(
-                {name: one.canonical() for name, one in prepared.uncertain.items()}
+                {
+                    name: distribution.canonical()
+                    for name, distribution in prepared.uncertain.items()
+                }
             ),
             "evaluations": float(prepared.evaluations) * prepared.cells,
             "accuracy": f"errors are half the widths of 95 % intervals, from {REPLICATES} "
@@ -210,23 +234,25 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
 
 def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
     names = [*prepared.uncertain]
-    ends = np.linspace(0.0, 1.0, LEVELS)
+    levels = np.linspace(0.0, 1.0, LEVELS)
     uncertain = {
         "long_name": "Uncertain parameter",
         "flag_values": np.arange(len(names), dtype=np.int8),
         "flag_meanings": " ".join(names),
         "comment": "; ".join(f"{name}: {QUANTITIES[name].label}" for name in names),
     }
-    share = {"units": "1", "comment": "Share of the points below the value."}
+    attributes = {"units": "1", "comment": "Share of the points below the value."}
     coordinates = {
         UNCERTAIN: TableVariable((UNCERTAIN,), np.arange(len(names), dtype=np.int8), uncertain),
         QUANTILE: TableVariable(
-            (QUANTILE,), np.array(prepared.study.quantiles), {**share, "long_name": "Quantile"}
+            (QUANTILE,), np.array(prepared.study.quantiles), {**attributes, "long_name": "Quantile"}
         ),
-        LEVEL: TableVariable((LEVEL,), ends, {**share, "long_name": "Level of the distribution"}),
+        LEVEL: TableVariable(
+            (LEVEL,), levels, {**attributes, "long_name": "Level of the distribution"}
+        ),
     }
     used = {dim for dims in prepared.dims.values() for dim in dims}
-    return {name: one for name, one in coordinates.items() if name in used}
+    return {name: coordinate for name, coordinate in coordinates.items() if name in used}
 
 
 KIND: Final = Kind(

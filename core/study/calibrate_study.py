@@ -71,8 +71,8 @@ def read_error(output: str, raw: object, value: float) -> float:
     UnitError
         If it is not a valid error.
     """
-    share = share_of(value, raw, 'error = "5 %"')
-    error = read_level(output, raw) if share is None else share
+    percentage_error = share_of(value, raw, 'error = "5 %"')
+    error = read_level(output, raw) if percentage_error is None else percentage_error
     if not error > 0:
         raise UnitError(
             f"the error {raw} of the measured value is not above 0",
@@ -91,8 +91,8 @@ def _observed_schema(name: str) -> dict[str, Any]:
 
 @refusing
 def _read_row_error(raw: object, info: ValidationInfo) -> object:
-    known = ((name, info.data.get(name)) for name in OBSERVED)
-    output, value = next((one for one in known if one[1] is not None), (None, None))
+    measured = ((name, info.data.get(name)) for name in OBSERVED)
+    output, value = next((pair for pair in measured if pair[1] is not None), (None, None))
     # What is wrong with the value is told there.
     return (
         read_error(output, raw, value) if raw is not None and output and value is not None else None
@@ -194,7 +194,11 @@ def spread_rows(raw: object) -> object:
         )
     rows: list[object] = []
     for number, entry in enumerate(raw, 1):
-        rows += map(_with_speed, _rows_of(entry, number)) if isinstance(entry, Mapping) else [entry]
+        rows += (
+            map(_with_speed_from_time, _rows_of(entry, number))
+            if isinstance(entry, Mapping)
+            else [entry]
+        )
         if len(rows) > MAX_RUNS:
             raise refusal(f"observations has more than {MAX_RUNS:,} runs", "Remove some runs")
     return rows
@@ -203,25 +207,29 @@ def spread_rows(raw: object) -> object:
 def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
     lengths = {name: len(value) for name, value in entry.items() if isinstance(value, list | tuple)}
     if len({*lengths.values()}) > 1:
-        told = ", ".join(f"{str(name)[:40]} {length}" for name, length in lengths.items())
+        lengths_in_words = ", ".join(
+            f"{str(name)[:40]} {length}" for name, length in lengths.items()
+        )
         raise refusal(
-            f"the lists of entry {number} of the observations differ in length: {told}",
+            f"the lists of entry {number} of the observations differ in length: {lengths_in_words}",
             "Give each as many values as there are runs, or one for all of them",
         )
-    for k in range(next(iter(lengths.values()), 1)):
-        yield {str(n): value[k] if n in lengths else value for n, value in entry.items()}
+    for row in range(next(iter(lengths.values()), 1)):
+        yield {str(name): value[row] if name in lengths else value for name, value in entry.items()}
 
 
 @refusing
-def _with_speed(row: Mapping[str, Any]) -> Mapping[str, Any]:
-    # What a stopwatch measures is the speed over a distance.
+def _with_speed_from_time(row: Mapping[str, Any]) -> Mapping[str, Any]:
+    # Runs that were timed by stopwatch give distance and time instead of the speed.
     if row.get("distance") is None or row.get("time") is None or "conveying_velocity" in row:
         return row
-    distance, time = (read_number(n, QUANTITIES[n], row[n]) for n in ("distance", "time"))
+    distance, time = (
+        read_number(name, QUANTITIES[name], row[name]) for name in ("distance", "time")
+    )
     if not time > 0.0:
         raise UnitError(f"a part takes {time:g} s over the distance", "Give a time above 0")
-    rest = {name: value for name, value in row.items() if name not in ("distance", "time")}
-    return {**rest, "conveying_velocity": distance / time}
+    others = {name: value for name, value in row.items() if name not in ("distance", "time")}
+    return {**others, "conveying_velocity": distance / time}
 
 
 STEMS = {"unknowns": "", "offsets": "offset_", "factors": "factor_"}
@@ -249,16 +257,20 @@ def quantity_of(table: str, parameter: str) -> Quantity:
     quantity = QUANTITIES[parameter]
     if table == "unknowns":
         return quantity
-    free = replace(quantity, lower=-float("inf"), upper=float("inf"), strict=False)
-    return free if table == "offsets" else replace(free, unit="1", lower=0.0, examples=("1.1",))
+    unbounded = replace(quantity, lower=-float("inf"), upper=float("inf"), strict=False)
+    return (
+        unbounded
+        if table == "offsets"
+        else replace(unbounded, unit="1", lower=0.0, examples=("1.1",))
+    )
 
 
 def _read_prior(table: str, parameter: str, raw: object) -> Prior:
-    of = {"offsets": "the offset of ", "factors": "the factor of "}.get(table, "")
-    prior = read_distribution(of + parameter, raw, quantity_of(table, parameter))
+    prefix = {"offsets": "the offset of ", "factors": "the factor of "}.get(table, "")
+    prior = read_distribution(prefix + parameter, raw, quantity_of(table, parameter))
     if not isinstance(prior, Prior):
         raise UnitError(
-            f"what is known of {of}{parameter} is neither a range nor a normal distribution",
+            f"what is known of {prefix}{parameter} is neither a range nor a normal distribution",
             "Write { lower = ..., upper = ... }, or { mean = ..., deviation = ... }",
         )
     return prior

@@ -107,16 +107,16 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
             "Give the lists values and densities instead of calibration",
         )
     if isinstance(raw, str) and (width := _WIDTH.fullmatch(raw)):
-        value, size = (text.strip() for text in width.groups())
-        normal = f'{{ mean = "{value}", deviation = "{size}" }}'
+        value, deviation = (text.strip() for text in width.groups())
+        normal = f'{{ mean = "{value}", deviation = "{deviation}" }}'
         raise UnitError(
-            f"'{value} +- {size}' may mean limits or a standard deviation",
+            f"'{value} +- {deviation}' may mean limits or a standard deviation",
             f"Write {{ lower = ..., upper = ... }} for limits, or {normal} for a deviation",
         )
     form = "normal" if {"mean", "deviation"} <= keys <= {*Normal.__match_args__} else ""
-    form = next((one for one, own in FORMS.items() if keys == {*own}), form)
+    form = next((form_name for form_name, form_keys in FORMS.items() if keys == {*form_keys}), form)
     if not form or not isinstance(raw, Mapping):
-        raise _no_form(name, keys)
+        raise _unknown_form(name, keys)
     readers: dict[str, Callable[..., Distribution]] = {
         "uniform": read_between,
         "normal": _normal,
@@ -127,15 +127,15 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
     return readers[form](name, raw, quantity)
 
 
-def _no_form(name: str, keys: frozenset[str]) -> UnitError:
+def _unknown_form(name: str, keys: frozenset[str]) -> UnitError:
     known = {key for form in FORMS.values() for key in form}
     unknown = sorted(keys - known)
     if unknown:
         shown = unknown[0][:40]
         return UnitError(f"'{shown}' is not a key of a distribution", suggestion(shown, known))
     forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
-    told = f"{', '.join(sorted(keys))} alone make" if keys else "this is"
-    return UnitError(f"{name}: {told} no distribution", f"Write one of {', '.join(forms[:-1])}")
+    subject = f"{', '.join(sorted(keys))} alone make" if keys else "this is"
+    return UnitError(f"{name}: {subject} no distribution", f"Write one of {', '.join(forms[:-1])}")
 
 
 def _triangular(name: str, raw: Mapping[str, object], quantity: Quantity) -> Triangular:
@@ -152,10 +152,10 @@ def _normal(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Normal:
     mean = read_number(name, quantity, raw["mean"])
     written = share_of(mean, raw["deviation"], 'deviation = "5 %"')
     written = raw["deviation"] if written is None else written
-    size = read_number(f"deviation of {name}", as_difference(quantity), written)
+    deviation = read_number(f"deviation of {name}", as_difference(quantity), written)
     normal = Normal(
         mean,
-        size,
+        deviation,
         **{key: read_number(name, quantity, raw[key]) for key in FORMS["uniform"] if key in raw},
     )
     lower, upper = normal.within(quantity)
@@ -206,35 +206,43 @@ def _tabulated(name: str, raw: Mapping[str, Any], quantity: Quantity) -> Tabulat
             f"the values of {name} are not in ascending order",
             "Sort the values, and give each once",
         )
-    plain = Quantity("1", "", "Density", "", 0.0, examples=("1",))
-    densities = tuple(read_number(f"a density of {name}", plain, value) for value in columns[1])
+    density_quantity = Quantity("1", "", "Density", "", 0.0, examples=("1",))
+    densities = tuple(
+        read_number(f"a density of {name}", density_quantity, value) for value in columns[1]
+    )
     if not any(densities):
         raise UnitError(f"all densities of {name} are 0", "Give one above 0")
     return Tabulated(values, densities)
 
 
-def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArray[Any]:
+def quantiles(name: str, distribution: Distribution, fractions: ArrayLike) -> NDArray[Any]:
     """Return quantiles of a parameter's distribution, to sample it or to state its range.
 
-    `shares` are those of the values below, 0 to 1; 0 and 1 give the ends, infinite where there are
+    `fractions` are of the values below, 0 to 1; 0 and 1 give the ends, infinite where there are
     none. The result has their shape, in the unit of studies; the distribution is cut at the bounds
     of the parameter `name`.
     """
-    shares = np.asarray(shares, dtype=np.float64)
+    fractions = np.asarray(fractions, dtype=np.float64)
     if isinstance(distribution, Between):
         lower, upper = distribution.lower, distribution.upper
-        return np.asarray(lower + (upper - lower) * shares)
+        return np.asarray(lower + (upper - lower) * fractions)
     if isinstance(distribution, Tabulated):
-        return _quantiles_of_table(distribution, shares)
-    law, quantity = _law(distribution), QUANTITIES[name]
+        return _quantiles_of_table(distribution, fractions)
+    continuous, quantity = _scipy_distribution(distribution), QUANTITIES[name]
     bounds = quantity.lower, quantity.upper
     lower, upper = distribution.within(quantity) if isinstance(distribution, Normal) else bounds
-    below, above = law.cdf([lower, upper])
-    return np.asarray(np.clip(law.ppf(below + (above - below) * shares), lower, upper))
+    probability_below, probability_above = continuous.cdf([lower, upper])
+    return np.asarray(
+        np.clip(
+            continuous.ppf(probability_below + (probability_above - probability_below) * fractions),
+            lower,
+            upper,
+        )
+    )
 
 
-def _law(distribution: Normal | Triangular | Lognormal) -> Any:
-    import scipy  # who draws no numbers does not load it
+def _scipy_distribution(distribution: Normal | Triangular | Lognormal) -> Any:
+    import scipy  # slow to import, and only samples need it
 
     if isinstance(distribution, Normal):
         return scipy.stats.norm(distribution.mean, distribution.deviation)
@@ -244,19 +252,19 @@ def _law(distribution: Normal | Triangular | Lognormal) -> Any:
     return scipy.stats.triang((likely - lower) / (upper - lower), loc=lower, scale=upper - lower)
 
 
-def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
+def _quantiles_of_table(table: Tabulated, fractions: NDArray[Any]) -> NDArray[Any]:
     x, density = np.array(table.values), np.array(table.densities)
     width = np.diff(x)
-    whole = np.concatenate([[0.0], np.cumsum(width * (density[1:] + density[:-1]) / 2)])
-    wanted = shares * whole[-1]
-    piece = np.clip(np.searchsorted(whole, wanted, side="right") - 1, 0, width.size - 1)
-    rest, first = wanted - whole[piece], density[piece]
-    slope = (density[piece + 1] - first) / width[piece]
-    # The root of first * step + slope * step^2 / 2 = rest, in the form without cancellation.
-    root = np.sqrt(np.maximum(first**2 + 2 * slope * rest, 0.0))
+    cumulative = np.concatenate([[0.0], np.cumsum(width * (density[1:] + density[:-1]) / 2)])
+    target = fractions * cumulative[-1]
+    interval = np.clip(np.searchsorted(cumulative, target, side="right") - 1, 0, width.size - 1)
+    remainder, density_at_start = target - cumulative[interval], density[interval]
+    slope = (density[interval + 1] - density_at_start) / width[interval]
+    # Solve density_at_start * step + slope * step^2 / 2 = remainder without cancellation.
+    root = np.sqrt(np.maximum(density_at_start**2 + 2 * slope * remainder, 0.0))
     with np.errstate(invalid="ignore", divide="ignore"):
-        step = np.where(rest > 0, 2 * rest / (first + root), 0.0)
-    return np.asarray(x[piece] + np.clip(np.nan_to_num(step), 0.0, width[piece]))
+        step = np.where(remainder > 0, 2 * remainder / (density_at_start + root), 0.0)
+    return np.asarray(x[interval] + np.clip(np.nan_to_num(step), 0.0, width[interval]))
 
 
 def nominal(distribution: Distribution) -> float:
@@ -298,10 +306,10 @@ def deviation(name: str, distribution: Distribution) -> float:
     The distribution is cut at the bounds of the parameter `name`.
     """
     nodes, weights = np.polynomial.legendre.leggauss(64)
-    # In the quantile of a quantile tails count as they weigh: smooth, and finite at the ends.
+    # Integrate over the angle, fraction = (1 - cos(angle))/2: smooth, though tails are infinite.
     angle = np.pi * (nodes + 1) / 2
-    shares, weights = (1 - np.cos(angle)) / 2, weights * np.sin(angle) * np.pi / 4
-    values = quantiles(name, distribution, shares)
+    fractions, weights = (1 - np.cos(angle)) / 2, weights * np.sin(angle) * np.pi / 4
+    values = quantiles(name, distribution, fractions)
     return float(np.sqrt(weights @ (values - float(weights @ values)) ** 2))
 
 
@@ -310,13 +318,13 @@ def deviation(name: str, distribution: Distribution) -> float:
 
 def _uncertain_schema(quantity: Quantity) -> dict[str, Any]:
     # Short, since there is one for each of many parameters: docs/sensitivity.md says the rest.
-    value: dict[str, Any] = {"type": ["number", "string"]}
-    many = {"type": "array", "items": value, "minItems": 2, "maxItems": MAX_TABULATED}
-    kinds = {"values": many, "densities": many, "factor": {"type": "number"}}
+    number: dict[str, Any] = {"type": ["number", "string"]}
+    list_of_values = {"type": "array", "items": number, "minItems": 2, "maxItems": MAX_TABULATED}
+    schemas = {"values": list_of_values, "densities": list_of_values, "factor": {"type": "number"}}
     return {
         "title": quantity.label,
         "type": "object",
-        "properties": {key: kinds.get(key, value) for keys in FORMS.values() for key in keys},
+        "properties": {key: schemas.get(key, number) for keys in FORMS.values() for key in keys},
         "additionalProperties": False,
         "minProperties": 2,
     }

@@ -151,9 +151,11 @@ class MeasuredDrive(BaseModel):
     @model_validator(mode="after")
     def _check_samples(self) -> Self:
         times = (self.samples or {}).get("time", ())
-        rise = all(before < after for before, after in pairwise(times))
-        lengths = {len(one) for one in (self.samples or {}).values()}
-        if self.samples is not None and (lengths != {len(times)} or times[0] != 0.0 or not rise):
+        is_rising = all(before < after for before, after in pairwise(times))
+        lengths = {len(values) for values in (self.samples or {}).values()}
+        if self.samples is not None and (
+            lengths != {len(times)} or times[0] != 0.0 or not is_rising
+        ):
             message = "its samples are not values at times that rise from 0"
             raise refusal(message, CARRY_OUT)
         return self
@@ -302,11 +304,13 @@ def at_most(count: int) -> BeforeValidator:
 def read_level(name: str, raw: object) -> float:
     """Return a value to compare the output `name` with in its unit; raise `UnitError` for none."""
     quantity = QUANTITIES[name]
-    # What is compared with a parameter may lie outside the parameter's own bounds.
-    shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
-    infinite = float("inf")
+    # A limit to compare with may lie outside the bounds of the quantity itself.
+    examples = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
+    infinity = float("inf")
     return read_number(
-        name, replace(quantity, lower=-infinite, upper=infinite, strict=False, examples=shown), raw
+        name,
+        replace(quantity, lower=-infinity, upper=infinity, strict=False, examples=examples),
+        raw,
     )
 
 
@@ -327,6 +331,7 @@ PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.par
 
 
 def _tidy(schema: dict[str, Any]) -> None:
+    # Drops titles that repeat the names, and null as default; adds the words of angles.
     required, properties = schema.get("required", ()), schema.get("properties", {})
     for name, field in properties.items():
         if field.get("title", "").lower() == name.replace("_", " "):
@@ -361,9 +366,10 @@ def by_parameter(
     `read` takes the name and what a user wrote, `schema` the quantity.
     """
     fields = {
-        one: optional(partial(read, one), partial(schema, QUANTITIES[one])) for one in PARAMETERS
+        parameter: optional(partial(read, parameter), partial(schema, QUANTITIES[parameter]))
+        for parameter in PARAMETERS
     }
-    # Of the module that asks, where a pickle looks for it.
+    # In the module of the caller, where pickle looks for the class.
     return create_model(name, __base__=Frozen, __module__=schema.__module__, __doc__=doc, **fields)
 
 
@@ -376,19 +382,25 @@ def parameters_in(section: BaseModel | None) -> dict[str, Any]:
 def bands_moved_to(section: str, content: object) -> object:
     """Return the content of a study with the bands of its parameters as bounds in a section.
 
-    What has faults stays, for the reader of parameters to refuse it.
+    Faulty bands stay, for the reader of parameters to refuse them.
     """
     parameters = content.get("parameters") if isinstance(content, Mapping) else None
     if not isinstance(content, Mapping) or not isinstance(parameters, Mapping):
         return content
-    own = content.get(section) or {}
+    section_content = content.get(section) or {}
     bounds = {
-        n: one for n, raw in parameters.items() if n in PARAMETERS and (one := _bounds(n, raw))
+        parameter: ends
+        for parameter, raw in parameters.items()
+        if parameter in PARAMETERS and (ends := _bounds(parameter, raw))
     }
-    if not bounds or not isinstance(own, Mapping) or not bounds.keys().isdisjoint(own):
+    if (
+        not bounds
+        or not isinstance(section_content, Mapping)
+        or not bounds.keys().isdisjoint(section_content)
+    ):
         return content
-    kept = {name: raw for name, raw in parameters.items() if name not in bounds}
-    return {**content, "parameters": kept, section: {**own, **bounds}}
+    others = {name: raw for name, raw in parameters.items() if name not in bounds}
+    return {**content, "parameters": others, section: {**section_content, **bounds}}
 
 
 def _bounds(name: str, raw: object) -> dict[str, float] | None:
@@ -419,7 +431,7 @@ def _values_schema(quantity: Quantity) -> dict[str, Any]:
     if quantity.upper < float("inf"):
         number["maximum"] = quantity.upper
     value = {"anyOf": [number, TEXT]}
-    span = {
+    range_schema = {
         "type": "object",
         "properties": {
             "start": value,
@@ -432,7 +444,7 @@ def _values_schema(quantity: Quantity) -> dict[str, Any]:
         "oneOf": [{"required": ["num"]}, {"required": ["step"]}],
         "additionalProperties": False,
     }
-    band = {
+    band_schema = {
         "type": "object",
         "properties": {"low": value, "high": value},
         "required": ["low", "high"],
@@ -446,8 +458,8 @@ def _values_schema(quantity: Quantity) -> dict[str, Any]:
             number,
             {"type": "string"},
             {"type": "array", "items": value, "minItems": 1},
-            span,
-            band,
+            range_schema,
+            band_schema,
             {
                 "type": "object",
                 "properties": {DESIGN: {"type": "array", "items": value, "minItems": 1}},
@@ -600,7 +612,7 @@ class Study(Frozen):
         content["parameters"] = {name: values.canonical() for name, values in self.values().items()}
         return content
 
-    def said(self) -> dict[str, Any]:
+    def without_defaults(self) -> dict[str, Any]:
         """Return the kind and the content without the fields that have their default values."""
         fields = type(self).model_fields
         return {
@@ -611,7 +623,9 @@ class Study(Frozen):
 
     def __repr__(self) -> str:
         """Return the study as the Python call that makes it, without defaults."""
-        words = (f"{name}={value!r}" for name, value in self.said().items() if name != "kind")
+        words = (
+            f"{name}={value!r}" for name, value in self.without_defaults().items() if name != "kind"
+        )
         return f"{type(self).__name__}({', '.join(words)})"
 
     __str__ = __repr__
@@ -619,9 +633,11 @@ class Study(Frozen):
     def _repr_html_(self) -> str:
         """Return the study as an HTML table for notebooks, a row for each field that is set."""
         rows: list[tuple[str, object]] = []
-        for name, value in self.said().items():
-            inner = value.items() if isinstance(value, dict) else None
-            rows += [(f"{name}.{k}", v) for k, v in inner] if inner else [(name, value)]
+        for name, value in self.without_defaults().items():
+            section = value.items() if isinstance(value, dict) else None
+            rows += (
+                [(f"{name}.{key}", entry) for key, entry in section] if section else [(name, value)]
+            )
         cells = "".join(
             f"<tr><td>{html.escape(name)}</td><td>{html.escape(str(value))}</td></tr>"
             for name, value in rows

@@ -218,8 +218,8 @@ class OptimiseStudy(DrivenStudy):
         return first_paths(
             (
                 *(
-                    (one.output, f"constraints.{k}.output")
-                    for k, one in enumerate(self.constraints)
+                    (constraint.output, f"constraints.{number}.output")
+                    for number, constraint in enumerate(self.constraints)
                 ),
                 *((name, f"criterion.{key}") for name, key in in_criterion),
             )

@@ -115,11 +115,11 @@ def _read_name(raw: object) -> str:
 
 
 def _ordered(order: Iterable[str]) -> Any:
-    place = {name: k for k, name in enumerate(order)}
+    position_of = {name: position for position, name in enumerate(order)}
 
     return AfterValidator(
         lambda names: tuple(
-            sorted(dict.fromkeys(names), key=lambda name: place.get(name, len(place)))
+            sorted(dict.fromkeys(names), key=lambda name: position_of.get(name, len(position_of)))
         )
     )
 

@@ -127,10 +127,10 @@ class SensitivityStudy(DrivenStudy):
     @field_validator("quantiles")
     @classmethod
     def _ascending(cls, value: tuple[float, ...]) -> tuple[float, ...]:
-        wrong = [one for one in value if not 0 < one < 1]
-        if wrong:
+        outside = [quantile for quantile in value if not 0 < quantile < 1]
+        if outside:
             raise refusal(
-                f"the quantile {wrong[0]:g} is not between 0 and 1",
+                f"the quantile {outside[0]:g} is not between 0 and 1",
                 "Write quantiles as shares, such as 0.05 for five per cent",
             )
         if list(value) != sorted(set(value)):
@@ -143,7 +143,7 @@ class SensitivityStudy(DrivenStudy):
 
     def asked(self) -> tuple[str, ...]:
         """Return every output that is needed, those of demands last."""
-        demanded = (one.output for one in self.demands if one.output is not None)
+        demanded = (demand.output for demand in self.demands if demand.output is not None)
         return tuple(dict.fromkeys((*self.outputs, *demanded)))
 
     def places(self) -> dict[str, str]:
@@ -153,7 +153,7 @@ class SensitivityStudy(DrivenStudy):
     def output_places(self) -> dict[str, str]:
         """Return the paths of outputs that stand in demands, by output, for messages."""
         return first_paths(
-            (one.output, f"demands.{number}.output")
-            for number, one in enumerate(self.demands)
-            if one.output is not None and one.output not in self.outputs
+            (demand.output, f"demands.{number}.output")
+            for number, demand in enumerate(self.demands)
+            if demand.output is not None and demand.output not in self.outputs
         )

@@ -130,7 +130,7 @@ def read_shown(words: Iterable[str]) -> ShownUnits:
         if word.lower() in SYSTEMS:
             system = word.lower()
             continue
-        unit, shown = _unit(word)
+        unit, shown = _unit_of_word(word)
         if unit in wanted:
             raise UnitError(
                 f"'{word}' is a second unit for the same quantity",
@@ -140,7 +140,8 @@ def read_shown(words: Iterable[str]) -> ShownUnits:
     return ShownUnits(system, MappingProxyType(wanted))
 
 
-def _unit(word: str) -> tuple[str, Shown]:
+def _unit_of_word(word: str) -> tuple[str, Shown]:
+    # The unit of the quantities that the word can measure, and the factor to it.
     units = dict.fromkeys(quantity.unit for quantity in QUANTITIES.values())
     for unit in sorted(units, key=lambda unit: unit == "m s-2"):  # "g" is the gram here
         if unit == "1":

@@ -73,8 +73,8 @@ def _are_times(raw: Sequence[object]) -> bool:
 
 
 def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
-    whole = isinstance(raw, int) and not isinstance(raw, bool)
-    if raw is None or (whole and 2 <= raw <= MAX_SAMPLES):  # type: ignore[operator]
+    is_whole_number = isinstance(raw, int) and not isinstance(raw, bool)
+    if raw is None or (is_whole_number and 2 <= raw <= MAX_SAMPLES):  # type: ignore[operator]
         return raw  # type: ignore[return-value]
     if isinstance(raw, list | tuple) and _are_times(raw):
         return tuple(float(number) for number in raw)

@@ -66,6 +66,7 @@ def factor_between(text: str, own: str) -> Fraction | None:
 
 @lru_cache(512)
 def _read(text: str) -> tuple[Fraction, Dimensions] | None:
+    # The size in SI units and the exponents of the dimensions; None if a word is unknown.
     size, dimensions = Fraction(1), list(_NONE)
     start = 1 if re.match(r"1(?=\s?/|$)", text) else 0
     while start < len(text):
@@ -75,7 +76,9 @@ def _read(text: str) -> tuple[Fraction, Dimensions] | None:
         power = int(match[3] or 1) * (-1 if "/" in (match[1] or "") else 1)
         factor, exponents = WORDS[match[2]]
         size *= factor**power
-        dimensions = [sum_ + power * each for sum_, each in zip(dimensions, exponents, strict=True)]
+        dimensions = [
+            total + power * exponent for total, exponent in zip(dimensions, exponents, strict=True)
+        ]
         start = match.end()
     return size, tuple(dimensions)
 
@@ -139,7 +142,7 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
 
 def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
     if not isinstance(raw, int | float | str):  # a scalar of another library
-        scalar, unit = apart(raw)
+        scalar, unit = split_unit(raw)
         scalar = scalar.item() if getattr(scalar, "ndim", None) == 0 else scalar
         raw = with_own_unit(scalar, unit)
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
@@ -153,12 +156,12 @@ def _read_value(name: str, quantity: Quantity, raw: object, factors: dict[str, F
             number = math.inf
     if not math.isfinite(number):
         raise UnitError(f"{_shown(raw)} is not a finite number", _how_to_write(name, quantity))
-    shown, strict = f"{name} is {number:g}{quantity.suffix}", quantity.strict
-    if number < quantity.lower or (strict and number == quantity.lower):
-        least = f"{'greater than' if strict else 'at least'} {quantity.lower:g}"
-        raise UnitError(shown, f"It must be {least}")
+    value_in_words, is_strict = f"{name} is {number:g}{quantity.suffix}", quantity.strict
+    if number < quantity.lower or (is_strict and number == quantity.lower):
+        lower_bound = f"{'greater than' if is_strict else 'at least'} {quantity.lower:g}"
+        raise UnitError(value_in_words, f"It must be {lower_bound}")
     if number > quantity.upper:
-        raise UnitError(shown, f"It must be at most {quantity.upper:g}")
+        raise UnitError(value_in_words, f"It must be at most {quantity.upper:g}")
     return number + 0.0  # -0.0 and 0.0 are one value
 
 
@@ -174,8 +177,8 @@ def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[
         except OverflowError:
             numbers = [math.inf]
         low, high = quantity.lower, quantity.upper
-        inside = low < min(numbers) if quantity.strict else low <= min(numbers)
-        if inside and max(numbers) <= high and all(map(math.isfinite, numbers)):
+        is_above_lower = low < min(numbers) if quantity.strict else low <= min(numbers)
+        if is_above_lower and max(numbers) <= high and all(map(math.isfinite, numbers)):
             return tuple(numbers)
     factors: dict[str, Fraction] = {}
     return tuple(_read_value(name, quantity, item, factors) for item in raw)
@@ -263,7 +266,7 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
     """
     fix = _how_to_write(name, quantity)
     try:
-        # Gravity itself in g is a slip of the pen for m/s^2.
+        # The quantity gravity itself is not given in g: there "g" is a mistake for m/s^2.
         return _factor(quantity.unit, " ".join(unit.split()), with_g=quantity.symbol != "g")
     except _AngularError as error:
         raise UnitError(
@@ -281,11 +284,10 @@ def in_own_unit(name: str, quantity: Quantity, value: Any) -> Any:
     A data array of xarray keeps its labels; what carries no unit is returned as it is. Raises
     `UnitError` if its unit is none of the quantity; `name` is for messages.
     """
-    numbers, unit = apart(value)
+    numbers, unit = split_unit(value)
     if not unit:
         return value
-    factor = float(unit_factor(name, quantity, unit))
-    converted = numbers * factor
+    converted = numbers * float(unit_factor(name, quantity, unit))
     return value.copy(data=converted).drop_attrs() if hasattr(value, "dims") else converted
 
 
@@ -303,7 +305,7 @@ def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
         return Fraction(1)
     if own == "1" and unit == PERCENT:
         return Fraction(1, 100)
-    text = _in_pint(_spelled(own, _plain(unit), with_g=with_g))
+    text = _in_pint(_spelled_for_pint(own, _plain(unit), with_g=with_g))
     if not _UNIT.fullmatch(text) or _HIGH_POWER.search(_POWER.sub("", text)):
         raise ValueError(unit)
     in_words = factor_between(text, _in_pint(own))
@@ -322,11 +324,11 @@ def _factor(own: str, unit: str, *, with_g: bool) -> Fraction:
 
 
 def _quantity(text: str) -> Any:
-    for tried in dict.fromkeys(
-        (text, re.sub(r"\b[A-Z](?=[a-z]{2,})", lambda first: first[0].lower(), text))
+    for spelling in dict.fromkeys(
+        (text, re.sub(r"\b[A-Z](?=[a-z]{2,})", lambda match: match[0].lower(), text))
     ):
         try:
-            return _registry().Quantity(Fraction(1), tried)
+            return _registry().Quantity(Fraction(1), spelling)
         except Exception:  # pint raises of many kinds for a malformed unit
             continue
     raise ValueError(text)
@@ -338,13 +340,13 @@ def _plain(unit: str) -> str:
     return re.sub(r"^(per\b|/)\s?", "1/", text)
 
 
-def _spelled(own: str, unit: str, *, with_g: bool) -> str:
-    # Units of people as pint reads them: "ms-2", "rpm", "g". `own` is the unit of the quantity.
+def _spelled_for_pint(own: str, unit: str, *, with_g: bool) -> str:
+    # Spellings that pint would misread: "ms-2", "rpm", "g". `own` is the unit of the quantity.
     compact = unit.replace(" ", "")
     if own == "m s-2" and with_g and (gravity := _GRAVITY.fullmatch(compact)):
         return f"{_PREFIXES[gravity[1]]}standard_gravity"
-    if own in ("m s-1", "m s-2", "m s-3") and (joined := _JOINED.fullmatch(compact)):
-        return f"{joined[1]}*s**{joined[2]}"
+    if own in ("m s-1", "m s-2", "m s-3") and (without_space := _JOINED.fullmatch(compact)):
+        return f"{without_space[1]}*s**{without_space[2]}"
     if own in _RATES and "hz" not in compact.lower():
         return _RATES[own].get(compact.lower()) or _COUNTED[own].sub("count", unit.lower())
     return unit
@@ -391,7 +393,7 @@ _PLAIN_NUMBER = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*")
 _NAMELESS = re.compile(r"dim_\d+")
 
 
-def apart(value: Any) -> tuple[Any, str]:
+def split_unit(value: Any) -> tuple[Any, str]:
     """Return the numbers of an array or quantity, and the unit that it carries, or "".
 
     The value may be a data array of xarray with the attribute `units` or a quantity of pint inside,
@@ -401,10 +403,10 @@ def apart(value: Any) -> tuple[Any, str]:
     unit = ""
     if hasattr(value, "to_numpy"):
         unit = _labelled_unit(value)
-        inside = getattr(value, "data", None)  # before to_numpy, which would lose the unit
-        value = inside if _unit_of(inside) is not None else value.to_numpy()
-    if (own := _unit_of(value)) is not None:
-        unit = _unit_text(own)
+        data = getattr(value, "data", None)  # before to_numpy, which would lose the unit
+        value = data if _unit_of(data) is not None else value.to_numpy()
+    if (carried_unit := _unit_of(value)) is not None:
+        unit = _unit_text(carried_unit)
         value = value.magnitude if hasattr(value, "magnitude") else value.value
     kind = getattr(getattr(value, "dtype", None), "kind", "")
     if kind == "m":
@@ -437,12 +439,12 @@ def _labelled_unit(value: Any) -> str:
     attributes = {str(name).casefold(): unit for name, unit in written.items()}
     indexes = getattr(value, "xindexes", None) or {}  # of pint-xarray: coordinates keep it there
     in_index = [getattr(index, "units", None) or {} for index in indexes.values()]
-    carried = [
+    candidates = [
         *(attributes.get(name) for name in ("units", "unit")),
         *(units.get(value.name) for units in in_index if isinstance(units, dict)),
         getattr(getattr(value, "dtype", None), "units", None),  # of pint-pandas
     ]
-    return next((text for unit in carried if (text := _unit_text(unit))), "")
+    return next((text for unit in candidates if (text := _unit_text(unit))), "")
 
 
 def _unit_of(value: Any) -> Any:
@@ -454,9 +456,9 @@ def _unit_of(value: Any) -> Any:
 
 def _unit_text(unit: Any) -> str:
     # pint's short names mean two things: "g" is standard gravity where accelerations are asked for.
-    one: Any = 1 * unit if hasattr(unit, "dimensionality") else None
-    if not hasattr(one, "unit_items"):
+    quantity: Any = 1 * unit if hasattr(unit, "dimensionality") else None
+    if not hasattr(quantity, "unit_items"):
         return "" if unit is None else str(unit).strip()
-    powers = dict(one.unit_items()).items()
+    powers = dict(quantity.unit_items()).items()
     factors = [name if power == 1 else f"{name}**{power:g}" for name, power in powers]
     return "*".join(factors) or "dimensionless"

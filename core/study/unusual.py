@@ -48,18 +48,18 @@ def questions(content: object) -> list[str]:
     if not isinstance(content, Mapping):
         return []
     fitted = _fitted(content)
-    asked = questions_of_drive(fitted, str(content["drive"].get("name"))) if fitted else []
-    parts = {part: content.get(part) for part in PARTS}
-    parts["observations"] = _columns(content.get("observations"))
-    for part, given in parts.items():
-        for name, raw in given.items() if isinstance(given, Mapping) else ():
+    found = questions_of_drive(fitted, str(content["drive"].get("name"))) if fitted else []
+    sections = {section: content.get(section) for section in PARTS}
+    sections["observations"] = _columns(content.get("observations"))
+    for section, values in sections.items():
+        for name, raw in values.items() if isinstance(values, Mapping) else ():
             quantity = QUANTITIES.get(str(name))
-            known = part == "parameters" and name in fitted
-            if known or quantity is None or quantity.usual is None:
+            is_fitted = section == "parameters" and name in fitted
+            if is_fitted or quantity is None or quantity.usual is None:
                 continue
             question = _question(str(name), quantity, quantity.usual, [*leaves_of(raw)])
-            asked += [question] if question else []
-    return asked or _questions_of_vertical(content)
+            found += [question] if question else []
+    return found or _questions_of_vertical(content)
 
 
 def questions_of_drive(numbers: Mapping[str, float], name: str) -> list[str]:
@@ -68,7 +68,7 @@ def questions_of_drive(numbers: Mapping[str, float], name: str) -> list[str]:
     `numbers` are parameters by name, `name` is that of the recording. An unusual frequency makes
     all amplitudes unusual: it alone is asked about, with the unit of times that is likely.
     """
-    asked = []
+    found = []
     for parameter, value in sorted(numbers.items(), key=lambda item: item[0] != "frequency"):
         quantity = QUANTITIES[parameter]
         low, high = quantity.usual or (-math.inf, math.inf)
@@ -76,20 +76,20 @@ def questions_of_drive(numbers: Mapping[str, float], name: str) -> list[str]:
             continue
         shown = ShownUnits().of(quantity.unit, value)
         ends = f"{low * shown.factor:,.6g} to {high * shown.factor:,.6g} {shown.unit}"
-        ask = "Are the unit of the accelerations and that of the times right?"
+        question = "Are the unit of the accelerations and that of the times right?"
         if parameter == "frequency":
             unit = likely_unit_of_times(value)
-            ask = "Is the unit of the times, or the rate, right?"
-            ask += (
+            question = "Is the unit of the times, or the rate, right?"
+            question += (
                 f" With times in {unit} it would be {value * TIMES[unit]:.4g} Hz." if unit else ""
             )
-        asked.append(
+        found.append(
             f"{parameter} = {value * shown.factor:,.6g} {shown.unit}, fitted to {name}, is "
-            f"unusual; usual values are {ends}. {ask}"
+            f"unusual; usual values are {ends}. {question}"
         )
         if parameter == "frequency":
             break
-    return asked
+    return found
 
 
 def likely_unit_of_times(frequency: float) -> str | None:
@@ -102,6 +102,7 @@ def likely_unit_of_times(frequency: float) -> str | None:
 
 
 def _fitted(content: Mapping[Any, Any]) -> dict[str, float]:
+    # The numbers of a fitted drive that the parameters have unchanged.
     drive, parameters = content.get("drive"), content.get("parameters")
     numbers = drive.get("numbers") if isinstance(drive, Mapping) else None
     if not isinstance(numbers, Mapping) or not isinstance(parameters, Mapping):
@@ -122,25 +123,35 @@ def _columns(rows: object) -> dict[str, list[Any]]:
 
 
 def _questions_of_vertical(content: object) -> list[str]:
-    flattest = min((abs(math.sin(math.radians(one))) for one in _all(content, "beta")), default=0.0)
-    asked = []
-    for name, makes in VERTICAL.items():
-        low, high = QUANTITIES[makes].usual or (0.0, math.inf)
-        largest = max(map(abs, _all(content, name)), default=0.0)
-        if largest > high * flattest > 0:
-            shown = ShownUnits().of(QUANTITIES[makes].unit, high)
-            size, *ends = (f"{one * shown.factor:,.6g}" for one in (largest / flattest, low, high))
-            asked.append(
-                f"{name} and beta make {makes} = {size} {shown.unit} along the drive; usual values "
+    smallest_sine = min(
+        (abs(math.sin(math.radians(angle))) for angle in _values_of(content, "beta")), default=0.0
+    )
+    found = []
+    for name, along in VERTICAL.items():
+        low, high = QUANTITIES[along].usual or (0.0, math.inf)
+        largest = max(map(abs, _values_of(content, name)), default=0.0)
+        if largest > high * smallest_sine > 0:
+            shown = ShownUnits().of(QUANTITIES[along].unit, high)
+            size, *ends = (
+                f"{value * shown.factor:,.6g}" for value in (largest / smallest_sine, low, high)
+            )
+            found.append(
+                f"{name} and beta make {along} = {size} {shown.unit} along the drive; usual values "
                 f"are {' to '.join(ends)} {shown.unit}. Is that what you mean?"
             )
-    return asked
+    return found
 
 
-def _all(content: object, name: str) -> list[float]:
-    sections = [content.get(part) for part in PARTS] if isinstance(content, Mapping) else []
-    written = [one[name] for one in sections if isinstance(one, Mapping) and name in one]
-    leaves = [leaf for raw in written for leaf in leaves_of(raw)]
+def _values_of(content: object, name: str) -> list[float]:
+    sections = (
+        [content.get(section_name) for section_name in PARTS]
+        if isinstance(content, Mapping)
+        else []
+    )
+    raw_values = [
+        section[name] for section in sections if isinstance(section, Mapping) and name in section
+    ]
+    leaves = [leaf for raw_value in raw_values for leaf in leaves_of(raw_value)]
     return [*read_numbers(name, QUANTITIES[name], leaves)] if leaves else []
 
 
@@ -165,26 +176,28 @@ def _question(
         return None
     sizes = [abs(value) for value in read_numbers(name, quantity, leaves)]
     largest, (low, high) = max(sizes), usual
-    typed = leaves[sizes.index(largest)]
-    is_bare = not isinstance(typed, str)
+    written_value = leaves[sizes.index(largest)]
+    is_bare = not isinstance(written_value, str)
     if largest <= high and not (is_bare and 0 < largest < low):
         return None
     shown = ShownUnits().of(quantity.unit, largest)
     unit = f" {shown.unit}" if shown.unit else ""
-    means = f"means {largest * shown.factor:,.6g}{unit}" if unit and is_bare else "is unusual"
+    meaning = f"means {largest * shown.factor:,.6g}{unit}" if unit and is_bare else "is unusual"
     ends = f"{low * shown.factor:,.6g} to {high * shown.factor:,.6g}{unit}"
-    written = typed if is_bare else f'"{typed}"'
-    slip = _slip(name, quantity, usual, typed) if is_bare else None
-    ask = f"Did you mean {slip}?" if slip else "Is that what you mean?"
-    return f"{name} = {written} {means}; usual values are {ends}. {ask}"
+    shown_value = written_value if is_bare else f'"{written_value}"'
+    correction = _likely_correction(name, quantity, usual, written_value) if is_bare else None
+    question = f"Did you mean {correction}?" if correction else "Is that what you mean?"
+    return f"{name} = {shown_value} {meaning}; usual values are {ends}. {question}"
 
 
-def _slip(name: str, quantity: Quantity, usual: tuple[float, float], typed: Any) -> str | None:
+def _likely_correction(
+    name: str, quantity: Quantity, usual: tuple[float, float], written_value: Any
+) -> str | None:
     unit = SLIPS.get(quantity.unit)
     if unit is None:  # of a share, per cent
-        text, value = f"{typed / 100:g}", typed / 100
+        text, value = f"{written_value / 100:g}", written_value / 100
     else:
-        text = f"{typed} {unit}"
+        text = f"{written_value} {unit}"
         try:
             value = read_number(name, quantity, text)
         except UnitError:

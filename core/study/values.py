@@ -70,15 +70,16 @@ def evenly(
         Shape (stop - start,); a part has the bits of the whole.
     """
     stop = size if stop is None else stop
-    offset, stride, divisor = _steps(first, last, size)
+    # Value k is exactly (offset + k stride)/divisor; floats hold integers up to `EXACT` exactly.
+    offset, stride, divisor = _integer_steps(first, last, size)
     if divisor <= EXACT and max(abs(offset), abs(offset + (size - 1) * stride)) <= EXACT:
-        found = np.arange(start, stop, dtype=np.int64)
-        found *= stride
-        found += offset
-        return found / divisor
+        values = np.arange(start, stop, dtype=np.int64)
+        values *= stride
+        values += offset
+        return values / divisor
     if size <= MAX_SLOW:
-        each = ((offset + k * stride) / divisor for k in range(start, stop))
-        return np.fromiter(each, np.float64, stop - start)
+        values_of_slice = ((offset + index * stride) / divisor for index in range(start, stop))
+        return np.fromiter(values_of_slice, np.float64, stop - start)
     return _approximately(first, last, size, start, stop)
 
 
@@ -101,19 +102,20 @@ def geometrically(
 
 
 @functools.lru_cache(maxsize=256)
-def _steps(first: float, last: float, size: int) -> tuple[int, int, int]:
+def _integer_steps(first: float, last: float, size: int) -> tuple[int, int, int]:
     # Integers a, b, c: value k of the axis is exactly (a + b k)/c, as a user means it.
-    begin = as_typed(first)
-    step = (as_typed(last) - begin) / (size - 1)
-    common = begin.denominator * step.denominator
-    offset, stride = (begin * common).numerator, (step * common).numerator
-    shared = math.gcd(offset, stride, common)
-    return offset // shared, stride // shared, common // shared
+    exact_first = as_typed(first)
+    step = (as_typed(last) - exact_first) / (size - 1)
+    denominator = exact_first.denominator * step.denominator
+    offset, stride = (exact_first * denominator).numerator, (step * denominator).numerator
+    divisor = math.gcd(offset, stride, denominator)
+    return offset // divisor, stride // divisor, denominator // divisor
 
 
 def _approximately(
     first: float, last: float, size: int, start: int, stop: int
 ) -> NDArray[np.float64]:
+    # As `numpy.linspace`, or a slice of it; the last value is exact.
     values = np.arange(start, stop, dtype=np.float64)
     step = (last - first) / (size - 1)
     values = values * step if step else values / (size - 1) * (last - first)
@@ -311,16 +313,17 @@ def position_on_axis(
     gap = float(np.abs(np.diff(values)).min(initial=np.inf)) if values.size > 1 else 0.0
     if distance[nearest] <= 1e-9 * max(abs(wanted), abs(values[nearest]), gap):
         return nearest
-    near = sorted(values[np.argsort(distance, kind="stable")[:2]])
+    two_nearest = sorted(values[np.argsort(distance, kind="stable")[:2]])
     unit = QUANTITIES[name].unit
-    read = Shown(1.0, {"1": "", "degree": "deg"}.get(unit, unit))
-    if system != "si" and not QUANTITIES[name].is_angle:  # nobody types the sign of a degree
-        read = ShownUnits(system).of(unit, abs(wanted))
-    asked, *others = (f"{value * read.factor:.10g}" for value in (wanted, *near))
-    shown = " and ".join(others) + f" {read.unit}".rstrip()
+    shown_unit = Shown(1.0, {"1": "", "degree": "deg"}.get(unit, unit))
+    # Angles are typed as deg, not with the sign of a degree.
+    if system != "si" and not QUANTITIES[name].is_angle:
+        shown_unit = ShownUnits(system).of(unit, abs(wanted))
+    shown_value, *others = (f"{value * shown_unit.factor:.10g}" for value in (wanted, *two_nearest))
+    shown = " and ".join(others) + f" {shown_unit.unit}".rstrip()
     raise UnitError(
-        f"{asked} {read.unit}".rstrip() + f" is not a value of the axis {name}",
-        f"The nearest are {shown}" if len(near) > 1 else f"Its only value is {shown}",
+        f"{shown_value} {shown_unit.unit}".rstrip() + f" is not a value of the axis {name}",
+        f"The nearest are {shown}" if len(two_nearest) > 1 else f"Its only value is {shown}",
     )
 
 
@@ -330,7 +333,9 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
     values = read_numbers(name, quantity, raw)
     following = values[1:]
     if not (all(map(lt, values, following)) or all(map(gt, values, following))):
-        repeated = next((one for one, after in pairwise(values) if one == after), None)
+        repeated = next(
+            (value for value, next_value in pairwise(values) if value == next_value), None
+        )
         if repeated is not None:
             raise UnitError(f"{name} lists {repeated:g} twice", "List each value once")
         raise UnitError(
@@ -379,7 +384,7 @@ def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span
             "Write spacing = 'linear' or 'log', or leave out spacing",
         )
     if "step" in raw:
-        stop, size = _step(name, quantity, start, stop, raw["step"])
+        stop, size = _last_and_size(name, quantity, start, stop, raw["step"])
     else:
         size = _num(name, raw["num"])
     if size > MAX_POINTS:
@@ -397,7 +402,9 @@ def is_band(raw: object) -> TypeGuard[Mapping[str, object]]:
 
 def _read_band(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Band:
     if "pair" in raw and set(raw) <= {*PAIR_KEYS}:
-        low, high = _published(name, str(raw["pair"])[:100], str(raw.get("surface", ""))[:100])
+        low, high = _published_friction(
+            name, str(raw["pair"])[:100], str(raw.get("surface", ""))[:100]
+        )
     elif set(raw) == {*BAND_KEYS}:
         low, high = (read_number(name, quantity, raw[end]) for end in BAND_KEYS)
     else:
@@ -414,7 +421,8 @@ def _read_band(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Band
     return Band(float((as_typed(low) + as_typed(high)) / 2), low, high)
 
 
-def _published(name: str, pair: str, surface: str) -> tuple[float, float]:
+def _published_friction(name: str, pair: str, surface: str) -> tuple[float, float]:
+    # The ends of all published values for the pair.
     if "friction" not in name:
         raise UnitError(
             f"{name} is not a friction coefficient, so it has no pair", "Write low and high"
@@ -446,25 +454,25 @@ def _num(name: str, raw: object) -> int:
     return raw
 
 
-def _step(
+def _last_and_size(
     name: str, quantity: Quantity, start: float, stop: float, raw: object
 ) -> tuple[float, int]:
-    # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
-    first, apart = (
+    # Read as a difference: a step may be below the lower bound of the quantity.
+    exact_start, step = (
         as_typed(start),
         as_typed(read_number(f"step of {name}", as_difference(quantity), raw)),
     )
-    apart = apart if stop > start else -apart
-    steps = (as_typed(stop) - first) / apart
+    step = step if stop > start else -step
+    steps = (as_typed(stop) - exact_start) / step
     if steps > MAX_POINTS:
         return stop, int(min(steps, Fraction(10**18))) + 1
-    whole = round(steps)
-    # Numbers that no decimal tells exactly, such as those of radians in degrees, may just miss.
-    reaches = abs(steps - whole) <= max(1e-9, 1e-12 * steps)
-    whole = whole if reaches else math.floor(steps)
-    if whole < 1:
+    whole_steps = round(steps)
+    # A stop without an exact decimal, such as radians in degrees, may just miss a whole step.
+    is_reached = abs(steps - whole_steps) <= max(1e-9, 1e-12 * steps)
+    whole_steps = whole_steps if is_reached else math.floor(steps)
+    if whole_steps < 1:
         raise UnitError(f"the step of {name} is larger than its whole range", "Take a smaller step")
-    return (stop if reaches else float(first + whole * apart)), whole + 1
+    return (stop if is_reached else float(exact_start + whole_steps * step)), whole_steps + 1
 
 
 def as_difference(quantity: Quantity) -> Quantity:

@@ -84,28 +84,28 @@ def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
     StudyError
         With every problem of scene, outputs, parameters, and of what is asked of them.
     """
-    asked = study.reduce
+    reduction = study.reduce
     problems = [*_problems_of_form(study)]
     try:
         plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
-    if asked is None:
+    if reduction is None:
         raise_any(problems)
         sweep = Sweep(study, plan, grid)
-        _ = sweep.added  # which raises what is wrong with it
+        _ = sweep.added  # raises the problems of derivatives and bands
         return sweep.check_verification()
-    problems += problems_of(asked, plan, grid)
+    problems += problems_of(reduction, plan, grid)
     raise_any(problems)
     return ReducedSweep(study, plan, grid).check_verification()
 
 
 def _problems_of_form(study: SweepStudy) -> Iterable[Problem]:
-    asked = study.reduce
-    if asked is not None:
-        yield from problems_of_names(asked, study.outputs, study.values())
+    reduction = study.reduce
+    if reduction is not None:
+        yield from problems_of_names(reduction, study.outputs, study.values())
         yield from problems_of_bands(study.values())
-    if asked is not None and study.sensitivities:
+    if reduction is not None and study.sensitivities:
         yield Problem(
             "sensitivities",
             "derivatives are given with all cells; the study has reduce too",
@@ -117,12 +117,12 @@ def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
     """Return the outputs and verdicts of a sweep in SI units, and derivatives; or its reduction."""
     if isinstance(prepared, ReducedSweep):
         return prepared.compute(watch)
-    plan, grid, asked = prepared.plan, prepared.grid, prepared.derived
+    plan, grid, derived = prepared.plan, prepared.grid, prepared.derived
     arrays = evaluate(plan, grid, threads=watch.threads, progress=watch.advance)
-    if asked is not None:
-        part = plan.part(asked.outputs)
-        found = derivatives(part, cells_of(part, grid), asked.parameters)
-        arrays = {**arrays, **asked.arrays(plan, grid, prepared.dims, found)}
+    if derived is not None:
+        derived_plan = plan.part(derived.outputs)
+        slopes = derivatives(derived_plan, cells_of(derived_plan, grid), derived.parameters)
+        arrays = {**arrays, **derived.arrays(plan, grid, prepared.dims, slopes)}
     if prepared.bands is not None:
         arrays = {**arrays, **prepared.bands.arrays(plan, grid, prepared.dims, watch)}
     return Computed(arrays)
@@ -150,8 +150,11 @@ def verified_alone(prepared: Prepared, watch: Watch) -> dict[str, str | int]:
 
     def values_at(sample: Sample) -> dict[str, Array]:
         boxes = [
-            {dim: (int(at[k]), int(at[k]) + 1) for dim, at in sample.positions.items()}
-            for k in range(sample.count)
+            {
+                dim: (int(positions[number]), int(positions[number]) + 1)
+                for dim, positions in sample.positions.items()
+            }
+            for number in range(sample.count)
         ]
         plan = prepared.plan
         cells = [evaluate(plan, prepared.grid.piece(box, plan.parameters)) for box in boxes]

@@ -69,32 +69,35 @@ def prepare_cut(
         With every problem of the names; if the slice has more values.
     """
     axes = [*map(letter_of, axes)]
-    at, twice = by_letters(at)
-    problems = [*twice, *_problems(sweep, output, axes, at)]
+    at, problems_of_repeats = by_letters(at)
+    problems = [*problems_of_repeats, *_problems(sweep, output, axes, at)]
     raise_any(problems)
-    whole = sweep.grid
+    full_grid = sweep.grid
     plan = _plan_of(sweep, output)
-    used = {axis for name, axis in whole.along.items() if name in plan.parameters}
-    free = [name for name in dict.fromkeys(axes) if name in used]
+    axes_used = {axis for name, axis in full_grid.along.items() if name in plan.parameters}
+    free_axes = [name for name in dict.fromkeys(axes) if name in axes_used]
     problems = []
-    box = {name: (0, whole.shape[name]) for name in free}
-    for name in whole.dims(used - {*free}):
+    box = {name: (0, full_grid.shape[name]) for name in free_axes}
+    for name in full_grid.dims(axes_used - {*free_axes}):
         try:
-            k = _position_of(whole, name, at)
-            box[name] = (k, k + 1)
+            position = _position_of(full_grid, name, at)
+            box[name] = (position, position + 1)
         except UnitError as error:
             problems.append(problem(name, error))
     raise_any(problems)
-    part = whole.within(box)
+    sliced = full_grid.within(box)
     fixed = {
-        name: float(part.values_of(name).array()[0])
-        for name, axis in whole.along.items()
-        if name in plan.parameters and axis not in free
+        name: float(sliced.values_of(name).array()[0])
+        for name, axis in full_grid.along.items()
+        if name in plan.parameters and axis not in free_axes
     }
     grid = Grid(
-        {name: whole.axes[name] for name in free},
-        {**{n: v for n, v in whole.fixed.items() if n in plan.parameters}, **fixed},
-        paired=whole.paired if DESIGN in free else {},
+        {name: full_grid.axes[name] for name in free_axes},
+        {
+            **{name: value for name, value in full_grid.fixed.items() if name in plan.parameters},
+            **fixed,
+        },
+        paired=full_grid.paired if DESIGN in free_axes else {},
     )
     if grid.cells > most:
         raise LimitError(
@@ -121,7 +124,8 @@ def compute_slice(prepared: SliceCut, threads: int | None = None) -> dict[str, A
         "unit": QUANTITIES[REGIME if output == verdict else output].unit,
         "judged": plan.verdict_on(output) is not None,
         "axes": [
-            {"name": n, "unit": QUANTITIES[n].unit, "values": grid.coordinate(n)} for n in grid.axes
+            {"name": name, "unit": QUANTITIES[name].unit, "values": grid.coordinate(name)}
+            for name in grid.axes
         ],
         "fixed": grid.fixed,
         "values": _labelled(values, grid.dims(depends[output])),
@@ -152,14 +156,16 @@ def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
         for name, (values, dims) in (axes | fixed).items()
     }
     verdict = plan.verdicts[0]
-    judged = verdict.outputs if verdict.name != REGIME else ()
-    parts = {verdict.name: (piece["regime"], regime_attributes(verdict.regimes, judged))}
+    judged_outputs = verdict.outputs if verdict.name != REGIME else ()
+    data_and_attributes = {
+        verdict.name: (piece["regime"], regime_attributes(verdict.regimes, judged_outputs))
+    }
     if output != verdict.name:
         attributes = quantity_attributes(output, **link_to_verdict(plan, output))
-        parts = {output: (piece["values"], attributes), **parts}
+        data_and_attributes = {output: (piece["values"], attributes), **data_and_attributes}
     variables = {
-        name: TableVariable(tuple(part["dims"]), part["data"], attributes)
-        for name, (part, attributes) in parts.items()
+        name: TableVariable(tuple(data["dims"]), data["data"], attributes)
+        for name, (data, attributes) in data_and_attributes.items()
     }
     return Table(coordinates, variables, attributes_of(sweep))
 
@@ -178,11 +184,11 @@ def _problems(
     `output` and `axes` are to be shown; `at` has values of the other axes by name, as a user writes
     them.
     """
-    known, suggest = sweep.grid.axes, Suggestions()
+    axes_of_sweep, suggestions = sweep.grid.axes, Suggestions()
     outputs = (*sweep.plan.outputs, *sweep.plan.verdict_names)
     if output not in outputs:
         yield Problem(
-            "output", f"'{output}' is not an output of this sweep", suggest(output, outputs)
+            "output", f"'{output}' is not an output of this sweep", suggestions(output, outputs)
         )
     if not 1 <= len(axes) <= MAX_AXES:
         yield Problem(
@@ -191,13 +197,17 @@ def _problems(
             "Name one or two axes, as in axes=beta,alpha",
         )
     for name in axes:
-        if name not in known:
-            yield Problem("axes", f"'{name}' is not an axis of this sweep", suggest(name, known))
+        if name not in axes_of_sweep:
+            yield Problem(
+                "axes", f"'{name}' is not an axis of this sweep", suggestions(name, axes_of_sweep)
+            )
     if len(set(axes)) < len(axes):
         yield Problem("axes", "axes names an axis twice", "Name each axis once")
     for name in at:
-        if name not in known:
-            yield Problem(name, f"'{name}' is not an axis of this sweep", suggest(name, known))
+        if name not in axes_of_sweep:
+            yield Problem(
+                name, f"'{name}' is not an axis of this sweep", suggestions(name, axes_of_sweep)
+            )
         elif name in axes:
             yield Problem(
                 name,
@@ -219,8 +229,7 @@ def _position_of(grid: Grid, name: str, at: Mapping[str, str]) -> int:
             f"Add {name}=VALUE to the query, from {values[0]:g} to {values[-1]:g}"
             f"{QUANTITIES[name].suffix}",
         )
-    wanted = read_number(name, QUANTITIES[name], at[name])
-    return position_on_axis(name, values, wanted)
+    return position_on_axis(name, values, read_number(name, QUANTITIES[name], at[name]))
 
 
 def _labelled(values: Any, dims: tuple[str, ...]) -> dict[str, Any]:

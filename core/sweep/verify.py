@@ -65,12 +65,14 @@ def outputs_in(
         SI units. An output that an equation computes in another type is left out.
     """
     size = max((values.size for values in cells.values()), default=1)
-    given = {name: np.asarray(value, dtype=dtype) for name, value in plan.defaults.items()}
-    given |= {name: np.asarray(cells[name], dtype=dtype) for name in plan.parameters}
+    parameters = {name: np.asarray(value, dtype=dtype) for name, value in plan.defaults.items()}
+    parameters |= {name: np.asarray(cells[name], dtype=dtype) for name in plan.parameters}
     with np.errstate(all="ignore"):  # overflow of a short type is an error like others
-        known = run_equations(plan, given)
-    values = {name: np.asarray(known[name]) for name in plan.outputs}
-    return {n: np.broadcast_to(v, size) for n, v in values.items() if v.dtype == dtype}
+        results = run_equations(plan, parameters)
+    values = {name: np.asarray(results[name]) for name in plan.outputs}
+    return {
+        name: np.broadcast_to(value, size) for name, value in values.items() if value.dtype == dtype
+    }
 
 
 @dataclass(frozen=True)
@@ -160,8 +162,8 @@ class Rounding:
                 f"{worst.kappa:.3g}"
             )
             if self.bound is not None:
-                kept = "within" if worst.conditioned <= self.bound else "BEYOND"
-                text += f", {kept} the bound of {self.bound}"
+                verdict = "within" if worst.conditioned <= self.bound else "BEYOND"
+                text += f", {verdict} the bound of {self.bound}"
         if self.left_of_zero:
             text += f"; of values that are 0, {self.left_of_zero:.2g} is left at most"
         if self.not_known:
@@ -170,7 +172,10 @@ class Rounding:
 
 
 def rounding_of(
-    plan: Plan, cells: Mapping[str, Array], got: Mapping[str, Array], watch: Watch | None = None
+    plan: Plan,
+    cells: Mapping[str, Array],
+    computed: Mapping[str, Array],
+    watch: Watch | None = None,
 ) -> Rounding:
     """Return the effect of rounding on a plan's outputs at cells, by values in extended precision.
 
@@ -180,35 +185,37 @@ def rounding_of(
         Closed forms.
     cells : mapping of str to ndarray, shape (n,)
         The parameters, SI units.
-    got : mapping of str to ndarray, shape (n,)
-        The outputs as they were computed, SI units.
+    computed : mapping of str to ndarray, shape (n,)
+        The outputs to check, SI units.
     watch : Watch, optional
         Asked before each output; once it stops, no cell counts as compared.
     """
     watch = watch or Watch()
-    size = next(iter(got.values())).size
+    size = next(iter(computed.values())).size
     bound = plan.scene.rounding_bound
     if not EXTENDED or watch.stopped():
         return Rounding(None, 0.0, (), np.zeros(size, dtype=np.bool_), bound)
     exact = outputs_in(plan, cells, np.longdouble)
-    moved = _moved(plan, cells, watch)
-    if moved is None:
+    condition_sums = _condition_sums(plan, cells, watch)
+    if condition_sums is None:
         return Rounding(None, 0.0, (), np.zeros(size, dtype=np.bool_), bound)
     worst: Value | None = None
-    zero = 0.0
-    for name in (name for name in got if name in exact):
-        nothing = exact[name] == 0
-        zero = max(zero, float(np.max(np.abs(got[name][nothing]), initial=0.0)))
-        worst = _worse(name, exact[name], moved[name], got[name], worst)
-    not_known = tuple(name for name in got if name not in exact)
-    return Rounding(worst, zero, not_known, np.ones(size, dtype=np.bool_), bound)
+    largest_at_zero = 0.0
+    for name in (name for name in computed if name in exact):
+        is_zero = exact[name] == 0
+        largest_at_zero = max(
+            largest_at_zero, float(np.max(np.abs(computed[name][is_zero]), initial=0.0))
+        )
+        worst = _worse_value(name, exact[name], condition_sums[name], computed[name], worst)
+    not_known = tuple(name for name in computed if name not in exact)
+    return Rounding(worst, largest_at_zero, not_known, np.ones(size, dtype=np.bool_), bound)
 
 
-def _worse(
+def _worse_value(
     name: str,
     exact: NDArray[np.longdouble],
-    moved: NDArray[np.longdouble],
-    got: Array,
+    condition_sum: NDArray[np.longdouble],
+    computed: Array,
     worst: Value | None,
 ) -> Value | None:
     """Return the value of an output with the largest error over its condition number.
@@ -216,21 +223,22 @@ def _worse(
     `worst` is returned if none is worse. A value that is not finite is right if it is the same, and
     infinitely wrong otherwise; a value that is 0 has no relative error.
     """
-    finite = np.isfinite(exact) & np.isfinite(got)
-    same = (exact == got) | (np.isnan(exact) & np.isnan(got))
+    is_finite = np.isfinite(exact) & np.isfinite(computed)
+    is_same = (exact == computed) | (np.isnan(exact) & np.isnan(computed))
     with np.errstate(all="ignore"):
-        error = np.where(same, 0.0, np.where(finite, np.abs(exact - got), np.inf))
-        ulps = np.where(same, 0.0, error / np.spacing(np.abs(exact.astype(np.float64))))
-        kappa = np.fmax(moved / np.abs(exact), 1.0)
-        conditioned = np.where(same, 0.0, np.where(finite, ulps / kappa, np.inf))
-    conditioned[(exact == 0) & finite & ~same] = -1.0
+        error = np.where(is_same, 0.0, np.where(is_finite, np.abs(exact - computed), np.inf))
+        ulps = np.where(is_same, 0.0, error / np.spacing(np.abs(exact.astype(np.float64))))
+        kappa = np.fmax(condition_sum / np.abs(exact), 1.0)
+        conditioned = np.where(is_same, 0.0, np.where(is_finite, ulps / kappa, np.inf))
+    # Without a relative error it is never the worst.
+    conditioned[(exact == 0) & is_finite & ~is_same] = -1.0
     cell = int(np.argmax(conditioned))
     if conditioned[cell] < 0 or (worst and conditioned[cell] <= worst.conditioned):
         return worst
     return Value(name, cell, float(error[cell]), float(ulps[cell]), float(kappa[cell]))
 
 
-def _moved(
+def _condition_sums(
     plan: Plan, cells: Mapping[str, Array], watch: Watch
 ) -> dict[str, NDArray[np.longdouble]] | None:
     """Return the sum of |x dF/dx| over the parameters x for each output F; None after a stop."""
@@ -239,12 +247,16 @@ def _moved(
         if watch.stopped():
             return None
         value = np.asarray(cells[name], dtype=np.longdouble)
-        up, down = (
-            outputs_in(plan, {**cells, name: value * (1 + way * STEP)}, np.longdouble)
-            for way in (1, -1)
+        above, below = (
+            outputs_in(plan, {**cells, name: value * (1 + direction * STEP)}, np.longdouble)
+            for direction in (1, -1)
         )
+        # Central difference over a relative step: |x dF/dx| = |F(x + h x) - F(x - h x)|/(2 h).
         with np.errstate(invalid="ignore"):
-            total = {n: total[n] + np.abs(up[n] - down[n]) / (2 * STEP) for n in up}
+            total = {
+                output: total[output] + np.abs(above[output] - below[output]) / (2 * STEP)
+                for output in above
+            }
         watch.advance(1 / len(plan.parameters))
     return total
 

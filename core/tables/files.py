@@ -23,9 +23,12 @@ def workbook(path: Path, section: str) -> list[tuple[int, list[str]]]:
 
         book = load_workbook(path, read_only=True, data_only=True)
         sheet = book.worksheets[0]
-        rows = [(n, [*map(_shown_cell, cells)]) for n, cells in enumerate(sheet.iter_rows(), 1)]
+        rows = [
+            (number, [*map(_shown_cell, cells)])
+            for number, cells in enumerate(sheet.iter_rows(), 1)
+        ]
         book.close()
-    except Exception as error:  # what a damaged workbook raises is of many kinds
+    except Exception as error:  # openpyxl raises many kinds for damaged files
         raise _unreadable(path, section, error) from error
     return [(number, cells) for number, cells in rows if any(map(str.strip, cells))]
 
@@ -47,18 +50,20 @@ def _unreadable(path: Path, section: str, error: Exception) -> StudyError:
 
 
 def _of_wav(path: Path) -> tuple[dict[str, Column], float]:
-    from scipy.io import wavfile  # a tenth of a second, and few tables are such files
+    # The channels by name, and the seconds between samples, 0 if not stated.
+    from scipy.io import wavfile  # slow to import, and rarely needed
 
     rate, samples = wavfile.read(path)
     channels = samples.reshape(len(samples), -1).T
     if channels.dtype.kind in "iu":
-        middle = 128 if channels.dtype.kind == "u" else 0
-        channels = (channels.astype(np.float64) - middle) / 2.0 ** (8 * channels.itemsize - 1)
-    columns = {str(k): Column(values, FULL_SCALE) for k, values in enumerate(channels, 1)}
+        zero_level = 128 if channels.dtype.kind == "u" else 0
+        channels = (channels.astype(np.float64) - zero_level) / 2.0 ** (8 * channels.itemsize - 1)
+    columns = {str(number): Column(values, FULL_SCALE) for number, values in enumerate(channels, 1)}
     return columns, 1.0 / rate
 
 
 def _of_mat(path: Path) -> tuple[dict[str, Column], float]:
+    # The channels by name, and the seconds between samples, 0 if not stated.
     from scipy.io import loadmat  # as above
 
     columns: dict[str, Column] = {}
@@ -67,36 +72,49 @@ def _of_mat(path: Path) -> tuple[dict[str, Column], float]:
             continue
         array = np.atleast_2d(np.squeeze(values))
         channels = array if len(array) <= array.shape[1] else array.T
-        names = [name] if len(channels) == 1 else [f"{name}_{k + 1}" for k in range(len(channels))]
-        columns |= {one: Column(row) for one, row in zip(names, channels, strict=True)}
+        names = (
+            [name]
+            if len(channels) == 1
+            else [f"{name}_{number + 1}" for number in range(len(channels))]
+        )
+        columns |= {
+            channel_name: Column(row) for channel_name, row in zip(names, channels, strict=True)
+        }
     return columns, 0.0
 
 
 def _of_tdms(path: Path) -> tuple[dict[str, Column], float]:
+    # The channels by name, and the seconds between samples, 0 if not stated.
     from nptdms import TdmsFile
 
-    channels = [one for group in TdmsFile.read(path).groups() for one in group.channels()]
+    channels = [channel for group in TdmsFile.read(path).groups() for channel in group.channels()]
     columns = {}
     for channel in channels:
         values, unit = channel[:], str(channel.properties.get("unit_string", ""))
         if values.dtype.kind == "M":
             values, unit = (values - values[0]) / np.timedelta64(1, "s"), "s"
         columns[channel.name] = Column(values, unit)
-    steps = [float(one.properties.get("wf_increment", 0.0)) for one in channels]
+    steps = [float(channel.properties.get("wf_increment", 0.0)) for channel in channels]
     return columns, max(steps, default=0.0)
 
 
 def _of_uff(path: Path) -> tuple[dict[str, Column], float]:
+    # The channels by name, and the seconds between samples, 0 if not stated.
     import pyuff
 
-    sets = pyuff.UFF(str(path)).read_sets()
-    functions = [one for one in (sets if isinstance(sets, list) else [sets]) if one["type"] == 58]
+    datasets = pyuff.UFF(str(path)).read_sets()
+    # Type 58 of the format is a function at nodes: the only one with samples.
+    functions = [
+        function
+        for function in (datasets if isinstance(datasets, list) else [datasets])
+        if function["type"] == 58
+    ]
     columns = {}
-    for number, one in enumerate(functions, 1):
-        name = str(one.get("id1", "")).strip()
+    for number, function in enumerate(functions, 1):
+        name = str(function.get("id1", "")).strip()
         name = name if name not in ("", "NONE") and name not in columns else str(number)
-        unit = str(one.get("ordinate_axis_units_lab", "")).strip()
-        columns[name] = Column(np.real(one["data"]), "" if unit == "NONE" else unit)
+        unit = str(function.get("ordinate_axis_units_lab", "")).strip()
+        columns[name] = Column(np.real(function["data"]), "" if unit == "NONE" else unit)
     return columns, float(functions[0]["abscissa_inc"]) if functions else 0.0
 
 
@@ -117,12 +135,12 @@ def read_numbers(path: Path, section: str) -> InputTable:
     """
     try:
         columns, step = _FILES[path.suffix.lower()](path)
-    except Exception as error:  # what a damaged file raises is of many kinds
+    except Exception as error:  # the libraries raise many kinds for damaged files
         raise _unreadable(path, section, error) from error
     lengths = [len(column.cells) for column in columns.values()]
     count = max(lengths, key=lambda length: (lengths.count(length), length), default=0)
     if not 0 < count <= MAX_ROWS:
         fix = f"Give channels of 1 to {MAX_ROWS:,} samples"
         raise refused(section, f"{path.name} has {count:,} samples a channel", fix)
-    columns = {name: one for name, one in columns.items() if len(one.cells) == count}
+    columns = {name: column for name, column in columns.items() if len(column.cells) == count}
     return InputTable(columns, np.arange(1, count + 1), section, step=step)

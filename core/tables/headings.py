@@ -67,14 +67,14 @@ def stem_and_unit(name: str) -> tuple[str, str]:
     ``timeMs``, ``t / ms`` and ``time_in_ms`` end in ms. A name that is such a word itself, as
     ``millis``, has no stem. The unit is empty if the name does not end in one.
     """
-    plain = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).casefold()
-    plain = re.sub(r"[\s.,:/\-_()]+", "_", plain).strip("_")
+    normalised = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).casefold()
+    normalised = re.sub(r"[\s.,:/\-_()]+", "_", normalised).strip("_")
     for word in sorted(ENDINGS, key=len, reverse=True):
-        if plain == word and len(word) > 2:
+        if normalised == word and len(word) > 2:
             return "", ENDINGS[word]
-        if plain.endswith("_" + word):
-            return plain.removesuffix("_" + word).removesuffix("_in"), ENDINGS[word]
-    return plain, ""
+        if normalised.endswith("_" + word):
+            return normalised.removesuffix("_" + word).removesuffix("_in"), ENDINGS[word]
+    return normalised, ""
 
 
 def is_row_of_units(cells: Sequence[str]) -> bool:

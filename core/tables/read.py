@@ -57,7 +57,9 @@ def read_table(source: str | Path, section: str = "recording") -> InputTable:
         If the file cannot be read.
     """
     if isinstance(source, str):
-        return _parted(lines_of(source.removeprefix("\ufeff").translate(SIGNS), section), section)
+        return _table_of_lines(
+            lines_of(source.removeprefix("\ufeff").translate(SIGNS), section), section
+        )
     with source.open("rb") as file:  # no more is read than is allowed, whatever the file is
         raw = file.read(MAX_BYTES + 1)
     if len(raw) > MAX_BYTES:
@@ -65,41 +67,41 @@ def read_table(source: str | Path, section: str = "recording") -> InputTable:
         raise refused(section, f"the table has {size}", SHORTEN)
     suffix = source.suffix.lower()
     if suffix == ".xlsx":
-        return _parted(Lines(workbook(source, section), [], "\t"), section)
+        return _table_of_lines(Lines(workbook(source, section), [], "\t"), section)
     if suffix in SUFFIXES:
         return read_numbers(source, section)
     try:
-        return _parted(lines_of(text_of(raw), section), section)
+        return _table_of_lines(lines_of(text_of(raw), section), section)
     except UnicodeError as error:
         fix = "Export the table as CSV, in UTF-8"
         raise refused(section, f"{source.name}: {error}", fix) from None
 
 
-def _parted(lines: Lines, section: str) -> InputTable:
+def _table_of_lines(lines: Lines, section: str) -> InputTable:
     rows = lines.rows
     if not rows:
         raise refused(
             section, "the table is empty", "Give a row of names, and rows of numbers below"
         )
-    first = _first_of_body(rows)
+    first = _first_row_of_numbers(rows)
     if first is None:
         raise refused(section, "the table holds no numbers", "Give rows of numbers below the names")
     header, units, start = _heading(lines, first)
     width = len(header) or _filled(rows[first][1])
-    # A line of another width that holds no number is a remark.
+    # Lines of another width without any number are remarks.
     body = [row for row in rows[start:] if len(row[1]) == width or any(map(is_value, row[1]))]
     if len(body) > MAX_ROWS:
         raise refused(section, f"it has more than {MAX_ROWS:,} rows", SHORTEN)
     _check_rows(body, width, section)
     names = header or [str(number) for number in range(1, width + 1)]
-    above = rows[:start]
-    labels = {cells[0].strip(): cells[1:] for _, cells in above if cells}
-    if not units:  # LabVIEW has none of its times
-        rest = iter(labels.get("Y_Unit_Label", []))
-        units = ["" if name == "X_Value" else next(rest, "") for name in names]
+    lines_above = rows[:start]
+    labels = {cells[0].strip(): cells[1:] for _, cells in lines_above if cells}
+    if not units:  # LabVIEW states units of values only, not of times
+        unit_labels = iter(labels.get("Y_Unit_Label", []))
+        units = ["" if name == "X_Value" else next(unit_labels, "") for name in names]
     step = number_and_unit((labels.get("Delta_X") or [""])[0])
     seconds = float(step[0].replace(",", ".")) if step else 0.0
-    note = "\n".join(" ".join(cells) for _, cells in above if cells[: len(header)] != header)
+    note = "\n".join(" ".join(cells) for _, cells in lines_above if cells[: len(header)] != header)
     return _table(names, units, body, lines.separator, note, section, seconds)
 
 
@@ -108,15 +110,16 @@ def _filled(cells: Sequence[str]) -> int:
     return next((k for k in range(len(cells), 0, -1) if cells[k - 1].strip()), 0)
 
 
-def _first_of_body(rows: list[Row]) -> int | None:
-    sampled = rows[:: -max(len(rows) // SAMPLED, 1)]
-    forms = Counter(tuple(map(_kind, cells[: _filled(cells)])) for _, cells in sampled)
-    form = max(forms, key=lambda form: (any(form), forms[form], len(form)))
+def _first_row_of_numbers(rows: list[Row]) -> int | None:
+    sample = rows[:: -max(len(rows) // SAMPLED, 1)]
+    forms = Counter(tuple(map(_kind, cells[: _filled(cells)])) for _, cells in sample)
+    usual_kinds = max(forms, key=lambda kinds: (any(kinds), forms[kinds], len(kinds)))
     for index, (_, cells) in enumerate(rows):
         kinds = [*map(_kind, cells[: _filled(cells)])]
-        same = zip(kinds, form, strict=False)
+        pairs = zip(kinds, usual_kinds, strict=False)
         # Cells may be empty where most are not, and text where most are.
-        if any(kinds) and len(kinds) == len(form) and all(k in (None, f) for k, f in same):
+        has_usual_kinds = all(kind in (None, usual_kind) for kind, usual_kind in pairs)
+        if any(kinds) and len(kinds) == len(usual_kinds) and has_usual_kinds:
             return index
     return None
 
@@ -130,34 +133,45 @@ def _heading(lines: Lines, first: int) -> tuple[list[str], list[str], int]:
     rows = lines.rows
     width = _filled(rows[first][1])
     widest = max(len(cells) for _, cells in rows[first : first + SAMPLED])
-    heads = [k for k in range(min(first, MAX_ABOVE)) if _can_name(rows[k][1], width, widest)]
-    if not heads:
-        behind = [row for row in lines.remarks if row[0] < rows[first][0]]
-        names = next((cells for _, cells in behind[::-1] if _can_name(cells, width, widest)), [])
-        nearest = names or max([(0, []), *rows[:first][-1:], *behind[-1:]])[1]
+    heading_rows = [
+        index for index in range(min(first, MAX_ABOVE)) if _can_name(rows[index][1], width, widest)
+    ]
+    if not heading_rows:
+        remarks_above = [row for row in lines.remarks if row[0] < rows[first][0]]
+        names = next(
+            (cells for _, cells in remarks_above[::-1] if _can_name(cells, width, widest)), []
+        )
+        nearest = names or max([(0, []), *rows[:first][-1:], *remarks_above[-1:]])[1]
         # Names of too few columns are names, and a reason to look at the separator.
         is_none = not names and (_filled(nearest) < 2 or any(map(is_value, nearest)))
         return [] if is_none else nearest[: _filled(nearest)], [], first
-    last = heads[-1]
+    last_heading = heading_rows[-1]
     units: list[str] = []
-    if len(heads) > 1 and heads[-2] == last - 1 and is_row_of_units(rows[last][1]):
-        units, last = [cell.strip(" []()") for cell in rows[last][1]], last - 1
-    names = rows[last][1]
-    return names[: _filled(names)], units, heads[-1] + 1
+    if (
+        len(heading_rows) > 1
+        and heading_rows[-2] == last_heading - 1
+        and is_row_of_units(rows[last_heading][1])
+    ):
+        units = [cell.strip(" []()") for cell in rows[last_heading][1]]
+        last_heading -= 1
+    names = rows[last_heading][1]
+    return names[: _filled(names)], units, heading_rows[-1] + 1
 
 
 def _can_name(cells: Sequence[str], width: int, widest: int) -> bool:
     # Rows may lack remarks and empty cells at their end; names are no numbers.
-    named = cells[: _filled(cells)]
-    more = [cell for cell in named[max(width, widest) :] if cell.strip().casefold() not in REMARKS]
-    return len(named) >= width > 0 and not more and not any(map(is_value, named))
+    filled = cells[: _filled(cells)]
+    surplus = [
+        cell for cell in filled[max(width, widest) :] if cell.strip().casefold() not in REMARKS
+    ]
+    return len(filled) >= width > 0 and not surplus and not any(map(is_value, filled))
 
 
 def _check_rows(body: Sequence[Row], width: int, section: str) -> None:
-    odd = [(line, len(row)) for line, row in body if any(map(is_value, row[width:]))]
-    if odd:
-        line, count = odd[0]
-        more = f" ({len(odd):,} such lines)" if len(odd) > 1 else ""
+    too_wide = [(line, len(row)) for line, row in body if any(map(is_value, row[width:]))]
+    if too_wide:
+        line, count = too_wide[0]
+        more = f" ({len(too_wide):,} such lines)" if len(too_wide) > 1 else ""
         message = f"line {line} has {count} cells, but the heading has {width}{more}"
         raise refused(section, message, SEMICOLONS)
 
@@ -175,15 +189,16 @@ def _table(
     padding = [""] * width
     cells = zip(*([*row, *padding][:width] for _, row in body), strict=True)
     columns: dict[str, Column] = {}
-    written: dict[str, tuple[str, ...]] = {}
-    for heading, under, column in zip(names, [*units, *padding], cells, strict=False):
+    cells_of_column: dict[str, tuple[str, ...]] = {}
+    for heading, unit_below, column in zip(names, [*units, *padding], cells, strict=False):
         name, unit = name_and_unit(heading)
-        if name in columns and column != written[name]:
+        if name in columns and column != cells_of_column[name]:
             fault = f"two columns have the name '{name}'"
             columns[name] = Column(column, "", fault, "Rename one")
         elif name:
-            columns[name], written[name] = Column(column, unit or under.strip()), column
-    for name, fault in contradictions(written).items():
-        columns[name] = Column(written[name], "", fault, ONE_MARK)
+            columns[name] = Column(column, unit or unit_below.strip())
+            cells_of_column[name] = column
+    for name, fault in contradictions(cells_of_column).items():
+        columns[name] = Column(cells_of_column[name], "", fault, ONE_MARK)
     lines = np.array([line for line, _ in body])
     return InputTable(columns, lines, section, separator != ",", note, step)

@@ -89,13 +89,15 @@ class InputTable:
         column = self.column(name, path)
         values = self._values(column)
         unit = "s" if len(values) and is_clock(str(column.cells[0])) else column.unit
-        wrong = np.flatnonzero(~np.isfinite(values)).tolist()
-        if wrong:
-            cell = str(column.cells[wrong[0]]).strip()[:40]
-            more = f" ({len(wrong):,} such cells)" if len(wrong) > 1 else ""
-            message = f"line {self.lines[wrong[0]]} of column '{name}' is not a number: {cell!r}"
+        not_numbers = np.flatnonzero(~np.isfinite(values)).tolist()
+        if not_numbers:
+            cell = str(column.cells[not_numbers[0]]).strip()[:40]
+            count_in_words = f" ({len(not_numbers):,} such cells)" if len(not_numbers) > 1 else ""
+            message = (
+                f"line {self.lines[not_numbers[0]]} of column '{name}' is not a number: {cell!r}"
+            )
             fix = SEMICOLONS if "," in cell else "Correct the line, or remove it"
-            raise refused(path, message + more, fix, name)
+            raise refused(path, message + count_in_words, fix, name)
         return values, unit
 
     def rows(self) -> list[dict[str, Any]]:
@@ -103,25 +105,30 @@ class InputTable:
 
         Numbers get the unit of their column, as texts. Raises `StudyError` if a column has a fault.
         """
-        raise_any(Problem(self.section, c.fault, c.fix) for c in self.columns.values() if c.fault)
+        raise_any(
+            Problem(self.section, column.fault, column.fix)
+            for column in self.columns.values()
+            if column.fault
+        )
         columns = {
             name: [self._value(cell, column.unit) for cell in column.cells]
             for name, column in self.columns.items()
         }
-        listed = zip(*columns.values(), strict=True)
-        rows = [dict(zip(columns, cells, strict=True)) for cells in listed]
+        rows_of_cells = zip(*columns.values(), strict=True)
+        rows = [dict(zip(columns, cells, strict=True)) for cells in rows_of_cells]
         return [{name: cell for name, cell in row.items() if cell != ""} for row in rows]
 
     def _value(self, cell: Any, unit: str) -> Any:
         if not isinstance(cell, str):
             return f"{cell!r} {unit}" if unit else float(cell)
-        found = number_and_unit(cell)
-        if found and self.commas:
-            cell = found[0].replace(",", ".") + found[1]
+        number_and_rest = number_and_unit(cell)
+        if number_and_rest and self.commas:
+            cell = number_and_rest[0].replace(",", ".") + number_and_rest[1]
         text = with_unit(cell, unit)
         return float(text) if BARE_NUMBER.fullmatch(text) and "," not in text else text
 
     def _values(self, column: Column) -> NDArray[np.float64]:
+        # Numbers, or seconds if all cells are times; NaN for any other cell.
         cells = column.cells
         if isinstance(cells, np.ndarray):
             return cells.astype(np.float64)

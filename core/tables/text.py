@@ -38,13 +38,13 @@ def text_of(raw: bytes) -> str:
     Its encoding is UTF-8, with or without a byte order mark, UTF-16, or Windows-1252. Raises
     `UnicodeError` if it is none of them.
     """
-    wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    has_utf16_mark = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     # Without a mark, text in UTF-16 has a zero in every other byte, as no other text has.
-    halves = [raw[start:2000:2].count(0) > len(raw[start:2000:2]) // 2 for start in (0, 1)]
-    if wide:
+    is_half_zero = [raw[start:2000:2].count(0) > len(raw[start:2000:2]) // 2 for start in (0, 1)]
+    if has_utf16_mark:
         encodings = ["utf-16"]
-    elif any(halves):
-        encodings = ["utf-16-be" if halves[0] else "utf-16-le"]
+    elif any(is_half_zero):
+        encodings = ["utf-16-be" if is_half_zero[0] else "utf-16-le"]
     else:
         encodings = [] if b"\0" in raw else ["utf-8-sig", "cp1252"]
     for encoding in encodings:
@@ -57,9 +57,9 @@ def text_of(raw: bytes) -> str:
 
 def number_and_unit(cell: str) -> tuple[str, str] | None:
     """Return the number of a cell, which may have a comma, and the rest; None if it is none."""
-    found = _NUMBER.fullmatch(cell.strip())
-    rest = (found[2] or "") if found else ""
-    return (found[1], rest) if found and not rest.lstrip()[:1].isdigit() else None
+    match = _NUMBER.fullmatch(cell.strip())
+    remainder = (match[2] or "") if match else ""
+    return (match[1], remainder) if match and not remainder.lstrip()[:1].isdigit() else None
 
 
 def is_value(cell: str) -> bool:
@@ -87,25 +87,25 @@ def lines_of(text: str, section: str) -> Lines:
 
     Blank lines are left out. Raises `StudyError` if a line is too long.
     """
-    named = ""
+    stated_separator = ""
     lines: list[tuple[int, str]] = []
-    # A cell of several lines is no number; each line is a row of its own, and keeps its number.
+    # Each line is a row with its number in the file, also within a quoted cell of several lines.
     for number, line in enumerate(StringIO(text, newline=None), start=1):
         if len(line) > MAX_LETTERS:
             raise refused(
                 section, f"line {number} has {len(line):,} letters", "Keep the columns in use"
             )
-        if not lines and (found := _NAMED_SEPARATOR.fullmatch(line.strip())):
-            named = found[1]
+        if not lines and (match := _NAMED_SEPARATOR.fullmatch(line.strip())):
+            stated_separator = match[1]
         elif line.strip(" \t;,\n"):
             lines.append((number, line.rstrip("\n")))
         if len(lines) > MAX_ROWS + MAX_ABOVE:
             break
-    separator = named or _separator([line for _, line in lines])
-    rows = [(n, cells_of(line, separator)) for n, line in lines if not _is_remark(line)]
+    separator = stated_separator or _separator([line for _, line in lines])
+    rows = [(number, cells_of(line, separator)) for number, line in lines if not _is_remark(line)]
     remarks = [
-        (n, cells_of(line.lstrip("# \t"), separator))
-        for n, line in lines[:MAX_ABOVE]
+        (number, cells_of(line.lstrip("# \t"), separator))
+        for number, line in lines[:MAX_ABOVE]
         if _is_remark(line)
     ]
     return Lines(rows, remarks, separator)
@@ -118,11 +118,12 @@ def _is_remark(line: str) -> bool:
 def _separator(lines: list[str]) -> str:
     sampled = [line for line in lines[:: -max(len(lines) // SAMPLED, 1)] if not _is_remark(line)]
 
-    def values(separator: str) -> int:
-        parted = ([cell for cell in cells_of(one, separator) if cell.strip()] for one in sampled)
-        return sum(max(0, sum(1 if is_value(cell) else -1 for cell in row)) for row in parted)
+    def number_score(separator: str) -> int:
+        rows = ([cell for cell in cells_of(line, separator) if cell.strip()] for line in sampled)
+        return sum(max(0, sum(1 if is_value(cell) else -1 for cell in row)) for row in rows)
 
-    best = max(SEPARATORS, key=values)
+    # The separator whose cells are numbers most often, less those that are not.
+    best = max(SEPARATORS, key=number_score)
     return "," if all(len(cells_of(line, best)) == 1 for line in sampled) else best
 
 
@@ -156,29 +157,39 @@ def contradictions(columns: Mapping[str, Sequence[str]]) -> dict[str, str]:
     everywhere, never behind a zero, and is missing from whole numbers below a thousand only.
     """
     numbers = {
-        name: [found[0] for cell in dict.fromkeys(cells) if (found := number_and_unit(cell))]
+        name: [match[0] for cell in dict.fromkeys(cells) if (match := number_and_unit(cell))]
         for name, cells in columns.items()
     }
-    marked = {
+    # By column and mark the first cell that has it; then by mark the first column that has it.
+    cell_with_mark = {
         name: {mark: cell for cell in cells[::-1] for mark in ",." if mark in cell}
         for name, cells in numbers.items()
     }
-    first = {mark: name for name in [*marked][::-1] for mark in marked[name]}
+    column_with_mark = {
+        mark: name for name in [*cell_with_mark][::-1] for mark in cell_with_mark[name]
+    }
     faults: dict[str, str] = {}
-    for name, marks in marked.items():
-        if marks and len(first) == 2:
+    for name, marks in cell_with_mark.items():
+        if marks and len(column_with_mark) == 2:
             shown = " and ".join(
-                f"column '{n}' has '{marked[n][m]}'" for m, n in [*first.items()][::-1]
+                f"column '{column_name}' has '{cell_with_mark[column_name][mark]}'"
+                for mark, column_name in [*column_with_mark.items()][::-1]
             )
             faults[name] = f"{shown}: one of the two marks separates thousands"
-        elif marks and (short := _thousands(numbers[name])) is not None:
-            seen = next(iter(marks.values()))
-            faults[name] = f"column '{name}' has '{seen}' beside '{short}': thousands are separated"
+        elif marks and (number := _thousands(numbers[name])) is not None:
+            marked_cell = next(iter(marks.values()))
+            faults[name] = (
+                f"column '{name}' has '{marked_cell}' beside '{number}': thousands are separated"
+            )
     return faults
 
 
 def _thousands(cells: Sequence[str]) -> str | None:
-    whole = [cell for cell in cells if _WHOLE.fullmatch(cell)]
+    whole_numbers = [cell for cell in cells if _WHOLE.fullmatch(cell)]
     others = [cell for cell in cells if not _WHOLE.fullmatch(cell)]
-    are_short = all(len(cell.lstrip("+-")) <= 3 for cell in whole)
-    return whole[-1] if whole and are_short and all(map(_THOUSANDS.fullmatch, others)) else None
+    are_short = all(len(cell.lstrip("+-")) <= 3 for cell in whole_numbers)
+    return (
+        whole_numbers[-1]
+        if whole_numbers and are_short and all(map(_THOUSANDS.fullmatch, others))
+        else None
+    )

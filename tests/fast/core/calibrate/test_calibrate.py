@@ -294,13 +294,13 @@ def test_what_a_measurement_leaves_is_that_of_the_normal_distribution():
     error = np.array([0.001, 0.006, 0.03])
     value = np.broadcast_to(slope * unknown[:, None], (count, 3))
     ratio = slope * sigma / error
-    gain, (told, kept) = calibration._gain(value, np.tile(error, (count, 1)), points)
+    gain, (told, kept) = calibration._information_gain(value, np.tile(error, (count, 1)), points)
     np.testing.assert_allclose(told, 1 / np.sqrt(1 + ratio**2), rtol=0.01)
     np.testing.assert_allclose(gain, 0.5 * np.log2(1 + ratio**2), rtol=0.01)
     assert (kept > 0.9).all()
     # Half of the points have no speed there: they keep what they had.
     value = np.where(np.arange(count)[:, None] % 2, np.nan, value)
-    _, (told, _) = calibration._gain(value, np.tile(error, (count, 1)), points)
+    _, (told, _) = calibration._information_gain(value, np.tile(error, (count, 1)), points)
     np.testing.assert_allclose(told, np.sqrt(0.5 + 0.5 / (1 + ratio**2)), rtol=0.02)
 
 

@@ -168,7 +168,7 @@ def test_the_worst_case_is_that_of_every_value_by_itself() -> None:
     x = lower + np.random.default_rng(2).random((4, 50)) * (upper - lower)
     found, *_ = problem.judged(x, design, problem.scales(design))
     alone = [
-        problem.objective(problem.known(x, {**design, "friction": np.array([friction])}))
+        problem.objective(problem.quantities(x, {**design, "friction": np.array([friction])}))
         for friction in problem.uncertain.values["friction"]
     ]
     worst = np.min(alone, axis=0)

@@ -24,7 +24,7 @@ def robust_value(evaluate, interval, *, how="worst"):
     def robust(points):
         count = len(points)
         values = np.asarray(evaluate(np.tile(points, (NODES, 1)), np.repeat(places, count)))
-        return uncertain.counts(values.reshape(NODES, count), 1.0)
+        return uncertain.statistic(values.reshape(NODES, count), 1.0)
 
     return robust
 
@@ -68,8 +68,8 @@ def test_the_quantile_of_what_is_to_be_least_is_that_of_the_output_itself():
     law = {"friction": read_distribution("friction", {"mean": 0.4, "deviation": 0.03})}
     nodes = uncertain_of(law, "quantile", 0.9)
     output = nodes.values["friction"][:, None]
-    assert nodes.counts(output, 1.0) == pytest.approx([0.4 + 1.2816 * 0.03], rel=5e-3)
-    assert nodes.counts(-output, -1.0) == pytest.approx(-nodes.counts(output, 1.0), rel=1e-12)
+    assert nodes.statistic(output, 1.0) == pytest.approx([0.4 + 1.2816 * 0.03], rel=5e-3)
+    assert nodes.statistic(-output, -1.0) == pytest.approx(-nodes.statistic(output, 1.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])

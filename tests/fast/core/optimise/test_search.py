@@ -116,7 +116,7 @@ def test_a_maximum_at_the_edge_of_what_has_values():
 def test_no_values_at_all(nothing):
     _, value, found = search(lambda u: np.full(len(u), nothing), 2)
     assert found.done.all()
-    assert (value[0], found.best.beyond[0, 0]) == (-np.inf, np.inf)
+    assert (value[0], found.best.violation[0, 0]) == (-np.inf, np.inf)
 
 
 def test_a_search_repeats_to_the_last_digit_alone_and_among_others():
@@ -205,7 +205,7 @@ class Noisy:
     def __init__(self, true=lambda x: 1.0 - (x - 0.7) ** 2, noise=NOISE):
         self.true, self.noise = true, noise
 
-    def inside(self, unit):
+    def from_unit_box(self, unit):
         return unit
 
     def longer(self, times):
