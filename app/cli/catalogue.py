@@ -46,8 +46,8 @@ def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
         "m/s, s, kg, N and so on, an angle in degrees."
     )
     for drive in scene.get("other_drives", ()):
-        first = [name for name in drive["parameters"] if name.endswith(("_1", "factor"))]
-        say(f"  or a drive of {drive['kind']}: {', '.join(first)} and so on (docs/drives.md)")
+        examples = [name for name in drive["parameters"] if name.endswith(("_1", "factor"))]
+        say(f"  or a drive of {drive['kind']}: {', '.join(examples)} and so on (docs/drives.md)")
     rows = [
         (
             entry["name"],
