@@ -17,8 +17,8 @@ def data_folder() -> Path:
     """
     if sys.platform == "win32":
         return _folder(*LOCAL) or Path("data")
-    usual = "Library/Application Support" if sys.platform == "darwin" else ".local/share"
-    return _folder("XDG_DATA_HOME", usual) or Path("data")
+    default = "Library/Application Support" if sys.platform == "darwin" else ".local/share"
+    return _folder("XDG_DATA_HOME", default) or Path("data")
 
 
 def cache_folder() -> Path:
@@ -29,20 +29,20 @@ def cache_folder() -> Path:
     """
     if sys.platform == "win32":
         return data_folder() / "Cache"
-    usual = "Library/Caches" if sys.platform == "darwin" else ".cache"
-    return _folder("XDG_CACHE_HOME", usual) or Path(".cache")
+    default = "Library/Caches" if sys.platform == "darwin" else ".cache"
+    return _folder("XDG_CACHE_HOME", default) or Path(".cache")
 
 
-def _folder(variable: str, usual: str) -> Path | None:
+def _folder(variable: str, default: str) -> Path | None:
     """Return the folder `vibrafeed` in a system folder; None if the user has no home folder.
 
     `variable` is the environment variable that may name the system folder by an absolute path;
-    `usual` is that folder relative to the user's home where the variable is not set.
+    `default` is that folder relative to the user's home where the variable is not set.
     """
     base = Path(os.environ.get(variable, ""))
     if not base.is_absolute():  # the standard says that others are ignored
         try:
-            base = Path.home() / usual
+            base = Path.home() / default
         except RuntimeError:
             return None
     return base / "vibrafeed"

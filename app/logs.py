@@ -69,12 +69,12 @@ def configure(stream: TextIO | None = None) -> None:
     )
     root = logging.getLogger()
     root.handlers = [handler]
-    # Libraries tell of their doings at will, addresses among it; these two are known.
+    # What other libraries log may hold addresses; vibrafeed and uvicorn write none.
     root.setLevel(logging.WARNING)
     for name in ("vibrafeed", "uvicorn", "uvicorn.error"):
-        known = logging.getLogger(name)
-        known.handlers, known.propagate = [], True
-        known.setLevel(logging.INFO)
+        own_logger = logging.getLogger(name)
+        own_logger.handlers, own_logger.propagate = [], True
+        own_logger.setLevel(logging.INFO)
 
 
 def _merge_request(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:

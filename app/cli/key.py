@@ -130,7 +130,7 @@ def list_keys(as_json: Json = False) -> None:
     if as_json:
         names = ("name", "role", "created", "ends", "withdrawn", *LIMITS)
         documents = [
-            {**{name: getattr(row, name) for name in names}, "stands": row.stands(now)}
+            {**{name: getattr(row, name) for name in names}, "stands": row.in_force(now)}
             for row in keys
         ]
         console.document(documents)
@@ -140,7 +140,7 @@ def list_keys(as_json: Json = False) -> None:
         until = (
             "withdrawn " + _format_day(row.withdrawn) if row.withdrawn else _format_day(row.ends)
         )
-        if not row.withdrawn and not row.stands(now):
+        if not row.withdrawn and not row.in_force(now):
             until = f"over since {until}"
         limits = [_format_limit(getattr(row, name)) for name in LIMITS]
         rows.append((row.name, row.role, _format_day(row.created), *limits, until))

@@ -172,7 +172,7 @@ def _check_keys(settings: Settings, host: str, new_ledger: bool) -> None:
         try:
             if not new_ledger:  # a key made now would hide that others are lost
                 _check_entries(settings, ledger)
-            keys.look()
+            keys.refresh()
         except (OSError, sqlite3.DatabaseError, LaterLedgerError):
             return  # `_check_ledger` says why, and nothing is served
         finally:

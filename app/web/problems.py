@@ -139,10 +139,10 @@ def _storage(request: Request, error: Exception) -> Response:
     """
     assert isinstance(error, OSError | sqlite3.OperationalError)
     logger.error("storage failed", exc_info=error)
-    if disk.passes(error):
+    if disk.is_temporary(error):
         headers = {"Retry-After": RETRY_AFTER[503]}
-        why = f"{disk.why(error)}."
-        return problem_document(503, "busy", "The service is busy", why, headers=headers)
+        detail = f"{disk.cause_of(error)}."
+        return problem_document(503, "busy", "The service is busy", detail, headers=headers)
     return problem_document(**disk.problem(error))
 
 
@@ -181,7 +181,7 @@ def _methods(request: Request) -> list[str]:
 
     The router reports only those of one route, and files of the page none.
     """
-    routes = [one for one in request.app.router.routes if not isinstance(one, Mount)]
+    routes = [route for route in request.app.router.routes if not isinstance(route, Mount)]
     scopes = {method: {**request.scope, "method": method} for method in METHODS}
     return [
         method

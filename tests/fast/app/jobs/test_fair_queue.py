@@ -98,7 +98,7 @@ async def test_who_gives_up_waiting_leaves_no_gap():
     given.cancel()  # with the slot in its hand
     await turned()
     await taken(queue, "e", 1.0)
-    assert set(queue._had) == {"e"}
+    assert set(queue._charged) == {"e"}
 
 
 async def test_who_is_cancelled_while_places_are_handed_out_takes_none():

@@ -171,7 +171,7 @@ def test_whoever_finishes_a_study_second_changes_nothing(store):
 
     def finish(number):
         return store.finish(
-            key, table, process="sweep", cells=35, blocks=number, seconds=1.0, more=pages
+            key, table, process="sweep", cells=35, blocks=number, seconds=1.0, write_more=pages
         )
 
     def pages(dataset, folder):

@@ -139,7 +139,7 @@ async def test_a_job_waits_for_workers_and_says_so(tmp_path):
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: bool(runner._active))
-        assert runner.waits() == runner.fault() == "there are no workers"
+        assert runner.waiting_reason() == runner.fault() == "there are no workers"
         found = admission.ledger.job(job.id)
         assert (found.state, found.started) == ("accepted", None)
         workers.trouble = None
