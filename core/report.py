@@ -195,21 +195,27 @@ def _closed_forms(prepared: Prepared, watch: Watch) -> Report:
     witness = np.longdouble if EXTENDED else np.float64
     for k, dtype in enumerate(TYPES.values()):
         with np.errstate(over="ignore"):
-            held = {name: values.astype(dtype) for name, values in sample.items()}
-        fits = np.all([np.isfinite(v) & ((v != 0) | (sample[n] == 0)) for n, v in held.items()], 0)
-        exact = {} if dtype is witness else outputs_in(plan, held, witness)
+            typed = {name: values.astype(dtype) for name, values in sample.items()}
+        fits = np.all(
+            [
+                np.isfinite(values) & ((values != 0) | (sample[name] == 0))
+                for name, values in typed.items()
+            ],
+            0,
+        )
+        exact = {} if dtype is witness else outputs_in(plan, typed, witness)
         for i, name in enumerate(plan.outputs):
             if watch.stopped():
                 break
             alone = plan.only(name)
-            seconds[i, k] = _seconds_of(alone, held, dtype)
-            got = outputs_in(alone, held, dtype).get(name)
-            if name in exact and got is not None:
-                off = _relative(got, exact[name])[fits]
-                off = off[np.isfinite(off)]
-                if off.size:
-                    error[i, k], largest[i, k] = np.median(off), off.max()
-                    cells[i] = max(cells[i], off.size)
+            seconds[i, k] = _seconds_of(alone, typed, dtype)
+            computed = outputs_in(alone, typed, dtype).get(name)
+            if name in exact and computed is not None:
+                errors = _relative_errors(computed, exact[name])[fits]
+                errors = errors[np.isfinite(errors)]
+                if errors.size:
+                    error[i, k], largest[i, k] = np.median(errors), errors.max()
+                    cells[i] = max(cells[i], errors.size)
             watch.advance(1 / error.size)
     against = (
         "extended precision (numpy.longdouble), at the parameters as each type holds them"
@@ -229,11 +235,11 @@ def _seconds_of(plan: Plan, held: Mapping[str, NDArray[Any]], dtype: Any) -> flo
     return _median_seconds(lambda: outputs_in(plan, block, dtype)) / BLOCK_CELLS
 
 
-def _relative(got: NDArray[Any], exact: NDArray[Any]) -> Array:
+def _relative_errors(computed: NDArray[Any], exact: NDArray[Any]) -> Array:
     with np.errstate(all="ignore"):
-        off = np.abs(got - exact) / np.abs(exact)
-    off = np.where(np.isfinite(exact) & ~np.isfinite(got), np.inf, off)
-    return np.asarray(np.where(np.isfinite(exact) & (exact != 0), off, np.nan), dtype=np.float64)
+        errors = np.abs(computed - exact) / np.abs(exact)
+    errors = np.where(np.isfinite(exact) & ~np.isfinite(computed), np.inf, errors)
+    return np.asarray(np.where(np.isfinite(exact) & (exact != 0), errors, np.nan), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -259,69 +265,71 @@ class _Witnessed:
 
 def _motions(prepared: Prepared, watch: Watch) -> Report:
     study: Any = prepared.study
-    limits = {name: v for name, v in study.settings().items() if name == "max_periods"}
-    known = _witnessed(prepared, limits, watch)
-    hops = known.truth.hops
-    groups = {"sliding": known.trusted & ~hops, "hopping": known.trusted & hops}
+    settings_of_study = {
+        name: value for name, value in study.settings().items() if name == "max_periods"
+    }
+    motions = _witnessed(prepared, settings_of_study, watch)
+    hops = motions.truth.hops
+    groups = {"sliding": motions.trusted & ~hops, "hopping": motions.trusted & hops}
     groups = {name: where for name, where in groups.items() if where.any()}
     shape = (len(groups), len(TOLERANCES))
     error, largest, seconds = (np.full(shape, np.nan) for _ in range(3))
-    share = watch.part(0.05 / max(1, 3 * error.size))
+    part = watch.part(0.05 / max(1, 3 * error.size))
     for i, where in enumerate(groups.values()):
-        cells, velocity = known.group(where)
+        cells, velocity = motions.group(where)
         for k, tolerance in enumerate(TOLERANCES):
             if watch.stopped():
                 break
-            settings = {**limits, "tolerance": tolerance}
-            runs = [_run(prepared, "events", cells, settings, share) for _ in range(3)]
-            off = np.abs(runs[0].velocity - velocity)
-            error[i, k], largest[i, k] = np.median(off), off.max()
+            settings = {**settings_of_study, "tolerance": tolerance}
+            runs = [_run(prepared, "events", cells, settings, part) for _ in range(3)]
+            errors = np.abs(runs[0].velocity - velocity)
+            error[i, k], largest[i, k] = np.median(errors), errors.max()
             seconds[i, k] = min(run.seconds for run in runs)
     sizes = np.array([where.sum() for where in groups.values()], dtype=np.int32)
     names = tuple(f"{tolerance:.0e}" for tolerance in TOLERANCES)
-    words = {"witness": _words_of(known)}
+    words = {"witness": _witness_note(motions)}
     return Report(tuple(groups), names, error, largest, seconds, sizes, words)
 
 
-def _words_of(known: _Witnessed) -> str:
-    words = (
+def _witness_note(motions: _Witnessed) -> str:
+    method = (
         "Error: of the mean velocity by the method events over its tolerance, as a share of the "
         "drive's speed A w, against the method reference, which shares no code with it"
     )
-    if not known.trusted.any():
+    if not motions.trusted.any():
         return (
-            f"{words}. No cell of {known.tried} random ones moves, repeats its motion and was "
+            f"{method}. No cell of {motions.tried} random ones moves, repeats its motion and was "
             "followed by the witness in the time given: nothing is measured."
         )
-    own = float(known.truth.stated[known.trusted].max())
+    stated_error = float(motions.truth.stated[motions.trusted].max())
     return (
-        f"{words}, takes {_number(1e3 * known.truth.seconds)} ms a cell and states an error of at "
-        f"most {own:.1e}. Random cells whose motion repeats; time: one thread, the fastest "
-        "of three runs."
+        f"{method}, takes {_number(1e3 * motions.truth.seconds)} ms a cell and states an error of "
+        f"at most {stated_error:.1e}. Random cells whose motion repeats; time: one thread, the "
+        "fastest of three runs."
     )
 
 
 def _witnessed(prepared: Prepared, limits: Mapping[str, float], watch: Watch) -> _Witnessed:
     scene, grid = prepared.plan.scene, prepared.grid
-    used = {name for method in scene.variants for name in scene_parameters(scene, method)}
-    names = [name for name in (*grid.axes, *grid.fixed) if name in used]
+    parameters = {name for method in scene.variants for name in scene_parameters(scene, method)}
+    names = [name for name in (*grid.axes, *grid.fixed) if name in parameters]
     count = min(CANDIDATES * MOTION_CELLS, grid.cells)
     sample = grid.at(random_positions(grid, count, SEED), count, names)
-    one = {name: values[:1] for name, values in sample.items()}
-    _run(prepared, "events", one, limits, watch.part(0.02))  # compiles
+    single_cell = {name: values[:1] for name, values in sample.items()}
+    _run(prepared, "events", single_cell, limits, watch.part(0.02))  # compiles
     first = _run(prepared, "events", sample, limits, watch.part(0.08))
     chosen = np.flatnonzero(first.periodic & (np.abs(first.velocity) > ROUNDING))
     if not chosen.size:
         return _Witnessed(sample, first, np.zeros(count, dtype=np.bool_), count)
-    chosen = _both_kinds(chosen, first.hops, MOTION_CELLS)
-    picked = {name: values[chosen] for name, values in sample.items()}
-    truth = _run(prepared, WITNESS, picked, limits, watch.part(0.8))
-    ours = _run(prepared, "events", picked, {**limits, "tolerance": 1e-12}, watch.part(0.05))
+    chosen = _balance(chosen, first.hops, MOTION_CELLS)
+    cells = {name: values[chosen] for name, values in sample.items()}
+    truth = _run(prepared, WITNESS, cells, limits, watch.part(0.8))
+    events = _run(prepared, "events", cells, {**limits, "tolerance": 1e-12}, watch.part(0.05))
     with np.errstate(invalid="ignore"):
         trusted = truth.periodic & (truth.stated < WITNESS_ERROR)
         # Of two exact methods that differ by more, one fell into another motion.
-        trusted &= np.abs(ours.velocity - truth.velocity) < OTHER_MOTION
-    return _Witnessed(picked, truth, trusted, count)
+        trusted &= np.abs(events.velocity - truth.velocity) < OTHER_MOTION
+    return _Witnessed(cells, truth, trusted, count)
 
 
 def _run(
@@ -332,29 +340,31 @@ def _run(
     watch: Watch,
 ) -> _Means:
     plan = plan_scene(prepared.plan.scene, method, OUTPUTS, tuple(cells))
-    kept = {name: value for name, value in settings.items() if name in plan.defaults}
-    plan = replace(plan, defaults={**plan.defaults, **kept})
+    settings_used = {name: value for name, value in settings.items() if name in plan.defaults}
+    plan = replace(plan, defaults={**plan.defaults, **settings_used})
     inputs = {name: cells[name] for name in plan.parameters}
     started = time.perf_counter()
-    known = run_equations(plan, inputs, replace(watch, threads=1))
+    outputs = run_equations(plan, inputs, replace(watch, threads=1))
     seconds = time.perf_counter() - started
     count = next(iter(cells.values())).size
-    drive = known["drive_number"] * known["velocity_scale"]  # the speed of the track, A w
+    drive = outputs["drive_number"] * outputs["velocity_scale"]  # the speed of the track, A w
     with np.errstate(divide="ignore", invalid="ignore"):  # a drive at rest has no share
-        shares = [known[n] / drive for n in ("conveying_velocity", "conveying_velocity_error")]
+        shares = [
+            outputs[name] / drive for name in ("conveying_velocity", "conveying_velocity_error")
+        ]
     velocity, stated = (np.broadcast_to(share, count) for share in shares)
-    status = np.broadcast_to(known["motion_status"], count)
-    hops = np.broadcast_to(known["flight_fraction"] > 0, count)
+    status = np.broadcast_to(outputs["motion_status"], count)
+    hops = np.broadcast_to(outputs["flight_fraction"] > 0, count)
     return _Means(
         velocity, stated, status == MOTION_STATUSES["periodic"].value, hops, seconds / count
     )
 
 
-def _both_kinds(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> Any:
-    air, floor = chosen[hops[chosen]], chosen[~hops[chosen]]
+def _balance(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> Any:
+    hopping, sliding = chosen[hops[chosen]], chosen[~hops[chosen]]
     half = count // 2
-    more = max(0, half - floor.size), max(0, half - air.size)
-    return np.sort(np.concatenate([air[: half + more[0]], floor[: half + more[1]]]))
+    missing = max(0, half - sliding.size), max(0, half - hopping.size)
+    return np.sort(np.concatenate([hopping[: half + missing[0]], sliding[: half + missing[1]]]))
 
 
 def _median_seconds(run: Callable[[], object]) -> float:

@@ -78,17 +78,18 @@ DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0
 Dashes = tuple[float, tuple[float, ...]] | Literal["solid"]
 
 
-def _said(look: Look, dataset: xarray.Dataset, regime: xarray.DataArray) -> Look:
+def _name_status(look: Look, dataset: xarray.Dataset, regime: xarray.DataArray) -> Look:
+    """Return a look; that of cells whose regime is not assessed is named by their status."""
     if look.name != "not_assessed":
         return look
-    nowhere = regime == look.value
+    is_not_assessed = regime == look.value
     for name in STATUSES:
-        if name in dataset and dataset[name].dims == nowhere.dims:
+        if name in dataset and dataset[name].dims == is_not_assessed.dims:
             meanings = flags_of(dataset[name].attrs)
-            present = np.unique(dataset[name].values[nowhere.values]).tolist()
-            why = [meanings[one] for one in present if one in meanings]
-            if why:
-                return replace(look, name=" or ".join(why))
+            codes = np.unique(dataset[name].values[is_not_assessed.values]).tolist()
+            causes = [meanings[code] for code in codes if code in meanings]
+            if causes:
+                return replace(look, name=" or ".join(causes))
     return look
 
 
@@ -98,12 +99,14 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
     return natural(dataset, options.variable, options.axes)[0] == options.kind
 
 
-def render(dataset: xarray.Dataset, options: Options, painter: Painter, beyond: str) -> Figure:
+def render(
+    dataset: xarray.Dataset, options: Options, painter: Painter, invalid_look: str
+) -> Figure:
     """Return the picture of a slice of a dataset.
 
-    `painter` draws the selected values into a figure, and returns axes and legend entries. `beyond`
-    says in a note how regimes look in which formulas do not hold, with ``{pale}`` in place of the
-    style's word for pale.
+    `painter` draws the selected values into a figure, and returns axes and legend entries.
+    `invalid_look` is how regimes look in which formulas do not hold, with ``{pale}`` in place of
+    the style's word for pale.
     """
     check_result(dataset)
     style = options.style
@@ -119,25 +122,25 @@ def render(dataset: xarray.Dataset, options: Options, painter: Painter, beyond: 
         looks = looks_of_categories(selection.categories, style)
     elif "regime" in dataset:
         looks = looks_of(selection.regime, selection.regimes, style, exact=selection.exact)
-        looks = [_said(look, dataset, selection.regime) for look in looks]
+        looks = [_name_status(look, dataset, selection.regime) for look in looks]
     else:
         looks = [Look(ANY_REGIME, NO_REGIMES, True, *PLAIN, style)]
-    pair = is_pair(dataset)
-    sides: Any = (figure,)
-    if pair:
-        sides = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
-    top, entries = painter(sides[0], selection, looks, style)
-    entries = [one for one in entries if not str(one.get_label()).startswith(NO_REGIMES)]
-    if pair:  # what hits what
+    has_bodies = is_pair(dataset)
+    subfigures: Any = (figure,)
+    if has_bodies:
+        subfigures = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
+    top, entries = painter(subfigures[0], selection, looks, style)
+    entries = [entry for entry in entries if not str(entry.get_label()).startswith(NO_REGIMES)]
+    if has_bodies:  # what hits what
         dims = [str(name) for name in dataset.dims]
         positions = fixed_positions(dataset, options.at, dims, (), nearest=True)
-        draw_views(sides[1], dataset, positions, style, below=True)
+        draw_views(subfigures[1], dataset, positions, style, below=True)
     name = long_name(selection.variable)
     if is_regime(str(selection.variable.name)):
         name = f"Regimes{name.removeprefix('Regime')}"
-    how = beyond.format(pale="Dim" if style.dark else "Pale")
+    wording = invalid_look.format(pale="Dim" if style.dark else "Pale")
     note = (
-        f"{how}: the closed forms do not describe a part there"
+        f"{wording}: the closed forms do not describe a part there"
         if any(look.beyond for look in looks)
         else ""
     )
@@ -158,9 +161,9 @@ def _draw_line(
         return _draw_categories(figure, selection, regimes, looks, style, chosen)
     values = selection.values.reshape(across.values.size, -1)[:, chosen]
     colours = style.series_over(len(chosen))
-    axes, entries, alike = _draw_regimes(figure, selection, regimes, looks, style, chosen)
+    axes, entries, is_shared = _draw_regimes(figure, selection, regimes, looks, style, chosen)
     for colour, curve, states in zip(colours, values.T, regimes.T, strict=True):
-        strokes = [_stroke(look, looks, alike) for look in looks]
+        strokes = [_stroke(look, looks, is_shared) for look in looks]
         _draw_curve(axes, across.values, curve, states, looks, strokes, colour, style)
     if selection.band is not None:
         low, high = (end.reshape(across.values.size, -1)[:, chosen] for end in selection.band)
@@ -170,13 +173,13 @@ def _draw_line(
     if len(selection.axes) > 1:
         _name_curves(figure, selection, selection.axes[1].values[chosen], colours)
     axes.set_xlim(across.values[0], across.values[-1])
-    ends = value_range(values)
-    if ends is None:
+    limits = value_range(values)
+    if limits is None:
         say_nothing_is_finite(axes, selection, style)
         axes.set_yticks([])
     else:
-        axes.set_ylim(*padded(*ends))
-        if ends[0] < 0 < ends[1]:
+        axes.set_ylim(*padded(*limits))
+        if limits[0] < 0 < limits[1]:
             axes.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
     _mark_level(axes, selection, style)
     axes.set_ylabel(axis_label(selection.variable, selection.unit))
@@ -193,9 +196,11 @@ def _draw_regimes(
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist], bool]:
     across = selection.axes[0]
-    alike = bool((regimes == regimes[:, :1]).all())
-    striped = not alike and len({_stroke(look, looks, alike) for look in looks}) < len(looks)
-    if striped:
+    is_shared = bool((regimes == regimes[:, :1]).all())
+    has_strips = not is_shared and len({_stroke(look, looks, is_shared) for look in looks}) < len(
+        looks
+    )
+    if has_strips:
         heights = (1.0, 0.055 * len(chosen))
         axes, lowest = figure.subplots(2, 1, sharex=True, height_ratios=heights)
         _add_strips(lowest, across, regimes, looks, _labels(selection, chosen))
@@ -204,17 +209,17 @@ def _draw_regimes(
         axes = lowest = figure.add_subplot()
     if across.is_log:
         set_log(axes.xaxis, across.values)
-    if alike:
-        _spans(axes, across, regimes[:, 0], looks, style)
+    if is_shared:
+        _shade_spans(axes, across, regimes[:, 0], looks, style)
         entries = [swatch(look, look.tint, hatched=look.name not in MOTION) for look in looks]
-    elif not striped:
+    elif not has_strips:
         strokes = [_stroke(look, looks, alike=False) for look in looks]
         entries = [
             Line2D([], [], color=style.ink, linewidth=width, linestyle=dashes, label=look.label)
             for look, (width, dashes) in zip(looks, strokes, strict=True)
         ]
     lowest.set_xlabel(across.label)
-    return axes, entries, alike or striped
+    return axes, entries, is_shared or has_strips
 
 
 def _draw_categories(
@@ -246,12 +251,12 @@ def _labels(selection: Selection, chosen: Sequence[int] | NDArray[np.int64]) -> 
 
 
 def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
-    level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
+    level, meaning = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     low, high = axes.get_ylim()
     if low < level < high:
         axes.axhline(level, color=style.accent, linewidth=style.width(1.6), zorder=1.8)
         axes.annotate(
-            f"{number(level)}: {begins}", (0.01, level), xycoords=axes.get_yaxis_transform(),
+            f"{number(level)}: {meaning}", (0.01, level), xycoords=axes.get_yaxis_transform(),
             xytext=(0, 3), textcoords="offset points", color=style.accent,
             fontsize=style.text(9), zorder=6,
             path_effects=[withStroke(linewidth=3.0, foreground=style.ground)],
@@ -328,24 +333,32 @@ def _draw_curve(
     A part of it goes up to the first point of the next regime.
     """
     for look, (width, dashes) in zip(looks, strokes, strict=True):
-        here = states == look.value
-        here[1:] |= here[:-1]
-        if here.any():
+        in_regime = states == look.value
+        in_regime[1:] |= in_regime[:-1]  # and the first point of the next one
+        if in_regime.any():
             axes.plot(
-                x, np.where(here, curve, np.nan), linewidth=width, linestyle=dashes,
+                x, np.where(in_regime, curve, np.nan), linewidth=width, linestyle=dashes,
                 color=colour if look.valid else mix(colour, "#9a9a9a", 0.35),
-                solid_capstyle="butt", marker="o" if here.sum() == 1 else "", markersize=3,
+                solid_capstyle="butt", marker="o" if in_regime.sum() == 1 else "", markersize=3,
             )  # fmt: skip
     # Few points are marked: between them nothing was computed.
     if x.size <= 12:
         axes.plot(x, curve, "o", color=colour, markersize=style.width(4), zorder=4)
     valid = np.isin(states, [look.value for look in looks if look.valid])
-    last = np.flatnonzero(valid[:-1] != valid[1:])
-    last = np.where(valid[last], last, last + 1)
-    axes.plot(x[last], curve[last], "o", color=style.ink, markersize=style.width(4.5), zorder=5)
+    # The last valid point on either side of a change.
+    last_valid = np.flatnonzero(valid[:-1] != valid[1:])
+    last_valid = np.where(valid[last_valid], last_valid, last_valid + 1)
+    axes.plot(
+        x[last_valid],
+        curve[last_valid],
+        "o",
+        color=style.ink,
+        markersize=style.width(4.5),
+        zorder=5,
+    )
 
 
-def _spans(
+def _shade_spans(
     axes: Axes, across: PlotAxis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
 ) -> None:
     edges = cell_edges(across)

@@ -39,8 +39,10 @@ def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
     for part in (left, right):
         part.set_facecolor(style.ground)
     left.align_ylabels(periods)
-    found, rest = _facts(fit)
-    return finish(figure, periods[0], style, name="Drive of a recording", facts=found, source=rest)
+    facts, source = _facts(fit)
+    return finish(
+        figure, periods[0], style, name="Drive of a recording", facts=facts, source=source
+    )
 
 
 def _facts(fit: Fit) -> tuple[list[str], str]:
@@ -53,9 +55,11 @@ def _facts(fit: Fit) -> tuple[list[str], str]:
         pace = "slow" if fit.clock.error > 0.0 else "fast"
         facts.append(f"clock {100 * abs(fit.clock.error):.2g} % {pace}")
     facts.append(f"{fit.periods:.0f} periods, {fit.samples:,} samples")
-    left, drift = (f"{100 * np.linalg.norm(one):.2g} %" for one in (fit.left_over, fit.drifting))
+    unexplained, drift = (
+        f"{100 * np.linalg.norm(fractions):.2g} %" for fractions in (fit.left_over, fit.drifting)
+    )
     return facts, (
-        f"All axes together: not explained by the fit {left}, drift {drift} of the drive"
+        f"All axes together: not explained by the fit {unexplained}, drift {drift} of the drive"
     )
 
 
@@ -64,18 +68,18 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
     milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
     smooth = np.linspace(0.0, 2.0 * np.pi, FINE)
     curves = fit.periodic(smooth)
-    some = slice(None, None, -(-fit.samples // MAX_POINTS))
-    times = milliseconds * fold.phase[some]
+    thinned = slice(None, None, -(-fit.samples // MAX_POINTS))
+    times = milliseconds * fold.phase[thinned]
     last, unit = panels[-1], UNITS[fit.signal.derivative]
     for panel, axis, values, curve, residual in zip(
         panels[:-1], fit.axes, fold.values, curves, fold.residual, strict=True
     ):
         colour = style.series[AXES.index(axis)]
         dots: Any = {"color": colour, "markersize": style.width(3.0), "alpha": 0.35}
-        panel.plot(times, values[some], ".", zorder=2, **dots)
+        panel.plot(times, values[thinned], ".", zorder=2, **dots)
         panel.plot(milliseconds * smooth, curve, color=style.ink, linewidth=1.2, zorder=3)
         panel.set_ylabel(f"{axis.capitalize()} ({unit})")
-        last.plot(times, residual[some], ".", **dots)
+        last.plot(times, residual[thinned], ".", **dots)
     last.axhline(0.0, color=style.ink, linewidth=0.8)
     last.set(
         ylabel=f"Residual ({unit})",
@@ -159,12 +163,14 @@ def draw_report(dataset: xarray.Dataset) -> Figure | None:
     style = LIGHT
     figure = style.sheet(7.0, 5.6)
     axes = figure.subplots()
-    for number, curve in enumerate(flags_of(dataset["curve"].attrs).values()):
-        here = dataset.isel(curve=number)
-        seconds = here["time_per_cell"].values * 1e6
+    for index, curve in enumerate(flags_of(dataset["curve"].attrs).values()):
+        of_curve = dataset.isel(curve=index)
+        seconds = of_curve["time_per_cell"].values * 1e6
         # Errors of 0 have no place on a logarithmic axis.
-        low, high = (np.fmax(here[name].values, 1e-18) for name in ("error", "error_largest"))
-        colour, marker = (set_[number % len(set_)] for set_ in (style.series, "osD^vPX*ph<"))
+        low, high = (np.fmax(of_curve[name].values, 1e-18) for name in ("error", "error_largest"))
+        colour, marker = (
+            choices[index % len(choices)] for choices in (style.series, "osD^vPX*ph<")
+        )
         axes.vlines(seconds, low, high, color=colour, lw=1.2)
         axes.plot(seconds, high, "_", color=colour, ms=8)
         axes.plot(seconds, low, f"{marker}-", color=colour, ms=6.5, lw=1.4, label=words(curve))
