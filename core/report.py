@@ -193,10 +193,11 @@ def _closed_forms(prepared: Prepared, watch: Watch) -> Report:
     error, largest, seconds = (np.full(shape, np.nan) for _ in range(3))
     cells = np.zeros(shape[0], dtype=np.int32)
     witness = np.longdouble if EXTENDED else np.float64
-    for k, dtype in enumerate(TYPES.values()):
+    for column, dtype in enumerate(TYPES.values()):
         with np.errstate(over="ignore"):
             typed = {name: values.astype(dtype) for name, values in sample.items()}
-        fits = np.all(
+        # Cells whose parameters this type holds: neither too large nor too small.
+        is_held = np.all(
             [
                 np.isfinite(values) & ((values != 0) | (sample[name] == 0))
                 for name, values in typed.items()
@@ -204,30 +205,30 @@ def _closed_forms(prepared: Prepared, watch: Watch) -> Report:
             0,
         )
         exact = {} if dtype is witness else outputs_in(plan, typed, witness)
-        for i, name in enumerate(plan.outputs):
+        for row, name in enumerate(plan.outputs):
             if watch.stopped():
                 break
-            alone = plan.only(name)
-            seconds[i, k] = _seconds_of(alone, typed, dtype)
-            computed = outputs_in(alone, typed, dtype).get(name)
+            plan_of_output = plan.only(name)
+            seconds[row, column] = _seconds_of(plan_of_output, typed, dtype)
+            computed = outputs_in(plan_of_output, typed, dtype).get(name)
             if name in exact and computed is not None:
-                errors = _relative_errors(computed, exact[name])[fits]
+                errors = _relative_errors(computed, exact[name])[is_held]
                 errors = errors[np.isfinite(errors)]
                 if errors.size:
-                    error[i, k], largest[i, k] = np.median(errors), errors.max()
-                    cells[i] = max(cells[i], errors.size)
+                    error[row, column], largest[row, column] = np.median(errors), errors.max()
+                    cells[row] = max(cells[row], errors.size)
             watch.advance(1 / error.size)
     against = (
         "extended precision (numpy.longdouble), at the parameters as each type holds them"
         if EXTENDED
         else "float64: numpy.longdouble has no more digits on this machine"
     )
-    words = (
+    note = (
         f"Error: share of the value, against the same equations in {against}; cells whose value "
         "is 0 or not finite are left out. Time: one thread, by numpy, blocks of "
         f"{BLOCK_CELLS:,} different cells; median of {REPEATS}."
     )
-    return Report(plan.outputs, tuple(TYPES), error, largest, seconds, cells, {"witness": words})
+    return Report(plan.outputs, tuple(TYPES), error, largest, seconds, cells, {"witness": note})
 
 
 def _seconds_of(plan: Plan, held: Mapping[str, NDArray[Any]], dtype: Any) -> float:
@@ -244,6 +245,8 @@ def _relative_errors(computed: NDArray[Any], exact: NDArray[Any]) -> Array:
 
 @dataclass(frozen=True)
 class _Means:
+    """What a method gives for some cells of motions."""
+
     velocity: Array  # mean, and its stated error, as shares of the drive's speed
     stated: Array
     periodic: NDArray[np.bool_]
@@ -253,14 +256,16 @@ class _Means:
 
 @dataclass(frozen=True)
 class _Witnessed:
+    """Cells, what the witness gives for them, and where it can be trusted."""
+
     cells: Mapping[str, Array]
     truth: _Means
     trusted: NDArray[np.bool_]
     tried: int
 
-    def group(self, where: NDArray[np.bool_]) -> tuple[dict[str, Array], Array]:
-        here = {name: values[where] for name, values in self.cells.items()}
-        return here, self.truth.velocity[where]
+    def group(self, mask: NDArray[np.bool_]) -> tuple[dict[str, Array], Array]:
+        cells = {name: values[mask] for name, values in self.cells.items()}
+        return cells, self.truth.velocity[mask]
 
 
 def _motions(prepared: Prepared, watch: Watch) -> Report:
@@ -271,24 +276,24 @@ def _motions(prepared: Prepared, watch: Watch) -> Report:
     motions = _witnessed(prepared, settings_of_study, watch)
     hops = motions.truth.hops
     groups = {"sliding": motions.trusted & ~hops, "hopping": motions.trusted & hops}
-    groups = {name: where for name, where in groups.items() if where.any()}
+    groups = {name: in_group for name, in_group in groups.items() if in_group.any()}
     shape = (len(groups), len(TOLERANCES))
     error, largest, seconds = (np.full(shape, np.nan) for _ in range(3))
     part = watch.part(0.05 / max(1, 3 * error.size))
-    for i, where in enumerate(groups.values()):
-        cells, velocity = motions.group(where)
-        for k, tolerance in enumerate(TOLERANCES):
+    for row, in_group in enumerate(groups.values()):
+        cells, velocity = motions.group(in_group)
+        for column, tolerance in enumerate(TOLERANCES):
             if watch.stopped():
                 break
             settings = {**settings_of_study, "tolerance": tolerance}
             runs = [_run(prepared, "events", cells, settings, part) for _ in range(3)]
             errors = np.abs(runs[0].velocity - velocity)
-            error[i, k], largest[i, k] = np.median(errors), errors.max()
-            seconds[i, k] = min(run.seconds for run in runs)
-    sizes = np.array([where.sum() for where in groups.values()], dtype=np.int32)
+            error[row, column], largest[row, column] = np.median(errors), errors.max()
+            seconds[row, column] = min(run.seconds for run in runs)
+    sizes = np.array([in_group.sum() for in_group in groups.values()], dtype=np.int32)
     names = tuple(f"{tolerance:.0e}" for tolerance in TOLERANCES)
-    words = {"witness": _witness_note(motions)}
-    return Report(tuple(groups), names, error, largest, seconds, sizes, words)
+    notes = {"witness": _witness_note(motions)}
+    return Report(tuple(groups), names, error, largest, seconds, sizes, notes)
 
 
 def _witness_note(motions: _Witnessed) -> str:
@@ -321,7 +326,7 @@ def _witnessed(prepared: Prepared, limits: Mapping[str, float], watch: Watch) ->
     chosen = np.flatnonzero(first.periodic & (np.abs(first.velocity) > ROUNDING))
     if not chosen.size:
         return _Witnessed(sample, first, np.zeros(count, dtype=np.bool_), count)
-    chosen = _balance(chosen, first.hops, MOTION_CELLS)
+    chosen = _balance_motions(chosen, first.hops, MOTION_CELLS)
     cells = {name: values[chosen] for name, values in sample.items()}
     truth = _run(prepared, WITNESS, cells, limits, watch.part(0.8))
     events = _run(prepared, "events", cells, {**limits, "tolerance": 1e-12}, watch.part(0.05))
@@ -360,7 +365,8 @@ def _run(
     )
 
 
-def _balance(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> Any:
+def _balance_motions(chosen: NDArray[np.intp], hops: NDArray[np.bool_], count: int) -> Any:
+    # Half of each kind; where one has fewer, more of the other.
     hopping, sliding = chosen[hops[chosen]], chosen[~hops[chosen]]
     half = count // 2
     missing = max(0, half - sliding.size), max(0, half - hopping.size)

@@ -207,7 +207,7 @@ def draw_lane(
         displacement = row.along.factor * along * np.sin(phase)
     else:
         notes.append("as the track sees it")
-    centres = np.array([np.interp(moments, times, artist) for artist in row.centres]) + displacement
+    centres = np.array([np.interp(moments, times, centre) for centre in row.centres]) + displacement
 
     figure = style.sheet(*SIZE)
     figure.set_dpi(dots)

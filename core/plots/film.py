@@ -132,7 +132,7 @@ def _film_on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | Non
     def at_frames(values: Array) -> Array:
         return np.asarray(shown.factor * np.interp(in_cycle, time, values))
 
-    notes = [f"part not to scale ({_stands_for(dataset, units)})"]
+    notes = [f"part not to scale ({_name_length(dataset, units)})"]
     gap, least_seen = float(height.max()), GAP_SEEN * (PART_SHAPE * length)
     exaggeration = nice_number(least_seen / gap) if 0 < gap < least_seen else 1.0
     if exaggeration > 1:
@@ -167,7 +167,7 @@ def _film_on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | Non
     )
 
 
-def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
+def _name_length(dataset: xarray.Dataset, units: ShownUnits) -> str:
     if "length" not in dataset or dataset["length"].ndim:
         return "no size in the model"
     shown = shown_in(dataset["length"], units)

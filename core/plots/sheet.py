@@ -55,16 +55,16 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     """
     style, shown = Style(), units_of(dataset, units)
     page = Figure(figsize=PAGE, facecolor=style.ground)
-    height = TOP
+    y = TOP
 
     def write(text: str, x: float = LEFT, *, down: float, size: float = 9, **look: Any) -> None:
-        nonlocal height
-        page.text(x, height, text, size=size, va="top", **{"color": style.ink, **look})
-        height -= down * LINE
+        nonlocal y
+        page.text(x, y, text, size=size, va="top", **{"color": style.ink, **look})
+        y -= down * LINE
 
     for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), 54):
         write(line, down=1.7, size=15, weight="bold")
-    height -= 0.3 * LINE
+    y -= 0.3 * LINE
     kind = f"{dataset.attrs.get('scene', '')}, {dataset.attrs.get('source', '')}"
     write(kind, down=2.0, color=style.quiet)
     parameters = [  # without settings of the computation, such as a tolerance
@@ -72,38 +72,38 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
         for name, array in dataset.coords.items()
         if name in QUANTITIES and name not in SETTINGS
     ]
-    top, ends_of_tables = height, []
+    y_of_tables, y_of_ends = y, []
     for name, rows, left, right in (
         ("Drive and part", parameters, LEFT, 0.47),
         ("What comes out", _outputs(dataset, shown), 0.53, RIGHT),
     ):
-        height = top
+        y = y_of_tables
         write(name, left, down=1.3, weight="bold")
         if len(rows) > MAX_ROWS:
             rows = [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
         for label, text in rows:
             write(label, left, down=0)
             write(text, right, down=1, ha="right")
-        ends_of_tables.append(height)
-    height = min(ends_of_tables) - 0.5 * LINE
+        y_of_ends.append(y)
+    y = min(y_of_ends) - 0.5 * LINE
     for line in textwrap.wrap(_regimes(dataset), LETTERS):
         write(line, down=1)
     assumptions = textwrap.wrap(str(dataset.attrs.get("comment", "")), LETTERS + 12)
-    foot = BOTTOM + (len(assumptions) + 3.5) * 0.8 * LINE
+    y_of_foot = BOTTOM + (len(assumptions) + 3.5) * 0.8 * LINE
     if (figure := _picture(dataset, units)) is not None:
         picture = io.BytesIO()
         figure.savefig(picture, format="png", dpi=200)
         picture.seek(0)
-        axes = page.add_axes((LEFT, foot, RIGHT - LEFT, height - foot - LINE))
+        axes = page.add_axes((LEFT, y_of_foot, RIGHT - LEFT, y - y_of_foot - LINE))
         axes.imshow(imread(picture), aspect="equal", interpolation="antialiased")
         axes.set_anchor("N")
         axes.axis("off")
-    height = foot - 0.5 * LINE
+    y = y_of_foot - 0.5 * LINE
     write("What this assumes", down=0, size=8, weight="bold")
     for line in assumptions:
-        height -= 0.8 * LINE
+        y -= 0.8 * LINE
         write(line, down=0, size=7.5, color=style.quiet)
-    height -= 1.2 * LINE
+    y -= 1.2 * LINE
     digest = str(dataset.attrs.get("study_sha256", ""))
     write(f"Study {digest[:16]}; the file has all values.", down=0, size=7.5, color=style.quiet)
     return page

@@ -182,7 +182,7 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     if "burst_periods" in variables:  # from rest to rest
         track_velocity = np.gradient(values_of(dataset["track_along"]), seconds)
     elif shape is None:
-        track_velocity = _swing(seconds, period, values_of(dataset["track_along"]))
+        track_velocity = _velocity_of_sine(seconds, period, values_of(dataset["track_along"]))
     else:
         parameters = {name: values_of(dataset[name]) for name in shape.inputs}
         wave = shape.wave(
@@ -242,17 +242,17 @@ def _draw_trajectory(
         _shade_modes(axes, trajectory, style)
         axes.grid(visible=True, axis="y", color=style.grid, linewidth=0.6)
         axes.set_axisbelow(True)
-    part = {"color": style.curve, "linewidth": style.width(2.0), "zorder": 4}
-    track = {"color": style.other, "linewidth": style.width(1.4), "zorder": 3}
-    fill = mix(style.other, style.ground, 0.5)
+    part_look = {"color": style.curve, "linewidth": style.width(2.0), "zorder": 4}
+    track_look = {"color": style.other, "linewidth": style.width(1.4), "zorder": 3}
+    ground = mix(style.other, style.ground, 0.5)
     separator = "\n" if style.small else " "  # between label and unit
 
     limits = _limits(trajectory.track, trajectory.part)
     heights.fill_between(
-        trajectory.time, trajectory.track, limits[0], facecolor=fill, linewidth=0, zorder=2
+        trajectory.time, trajectory.track, limits[0], facecolor=ground, linewidth=0, zorder=2
     )
-    heights.plot(trajectory.time, trajectory.track, **{**track, "linewidth": style.width(1.0)})
-    heights.plot(trajectory.time, trajectory.part, **part)
+    heights.plot(trajectory.time, trajectory.track, **{**track_look, "linewidth": style.width(1.0)})
+    heights.plot(trajectory.time, trajectory.part, **part_look)
     heights.set_ylim(*limits)
     if trajectory.orbit is not None:
         heights.set_ylim(limits[0], limits[1] + 0.7 * (limits[1] - limits[0]))
@@ -260,21 +260,21 @@ def _draw_trajectory(
     heights.set_ylabel(f"Height{separator}({trajectory.height_unit})")
 
     velocities.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
-    velocities.plot(trajectory.time, trajectory.track_velocity, **track)
-    velocities.plot(trajectory.time, trajectory.part_velocity, **part)
+    velocities.plot(trajectory.time, trajectory.track_velocity, **track_look)
+    velocities.plot(trajectory.time, trajectory.part_velocity, **part_look)
     velocities.set_ylim(*_limits(trajectory.track_velocity, trajectory.part_velocity))
     along = "" if style.small else " along\nthe track"
     velocities.set_ylabel(f"Velocity{along}{separator}({trajectory.velocity_unit})")
 
-    positions.plot(trajectory.time, trajectory.position, **part)
+    positions.plot(trajectory.time, trajectory.position, **part_look)
     positions.set_ylim(*(_limits(trajectory.position) if trajectory.position.any() else limits))
     on = "" if style.small else " on\nthe track"
     positions.set_ylabel(f"Position{on}{separator}({trajectory.position_unit})")
     if trajectory.wall is not None:
         low, high = _limits(np.append(trajectory.wall, 0.0))
-        panels[3].axhspan(low, 0.0, facecolor=fill, linewidth=0, zorder=2)
+        panels[3].axhspan(low, 0.0, facecolor=ground, linewidth=0, zorder=2)
         panels[3].axhline(0.0, color=style.other, linewidth=style.width(1.0), zorder=3)
-        panels[3].plot(trajectory.time, trajectory.wall, **part)
+        panels[3].plot(trajectory.time, trajectory.wall, **part_look)
         panels[3].set_ylim(low, high)
         to = "to wall" if style.small else "to\nthe wall"
         panels[3].set_ylabel(f"Gap {to}{separator}({trajectory.wall_unit})")
@@ -320,8 +320,8 @@ def _limits(*curves: Array) -> tuple[float, float]:
     return padded(float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
 
 
-def _swing(seconds: Array, period: float, track: Array) -> Array:
-    # Along itself [m/s]; the amplitude is fitted to the displacement, a multiple of a sine.
+def _velocity_of_sine(seconds: Array, period: float, track: Array) -> Array:
+    # Of the track [m/s]; its displacement is a multiple of a sine, whose amplitude is fitted.
     rate = 2 * np.pi / period
     sine = np.sin(rate * seconds)
     weight = float(sine @ sine)
