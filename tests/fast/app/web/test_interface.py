@@ -291,7 +291,7 @@ class TestSimulation:
         wish = {"Prefer": "respond-async"}
         assert client.post(PATH, json=SIMULATION, headers=wish).status_code == 201
         for slot in held:
-            client.portal.call(queue._leave, slot)
+            client.portal.call(queue._release, slot)
 
 
 class TestConvert:
