@@ -323,13 +323,13 @@ def unknown_variables(names: Iterable[str]) -> list[Problem]:
     be settings, or switches of the tests; a problem says what replaces a former setting,
     or suggests the nearest name.
     """
-    known = [PREFIX + name.upper() for name in Settings.model_fields]
+    settings = [PREFIX + name.upper() for name in Settings.model_fields]
     return [
         Problem(
             name,
             "no setting of vibrafeed is read from an environment variable of this name",
-            FORMER.get(name.upper()) or suggestion(name.upper(), known),
+            FORMER.get(name.upper()) or suggestion(name.upper(), settings),
         )
         for name in sorted(names)
-        if name.upper().startswith(PREFIX) and name.upper() not in (*known, *TEST_SWITCHES)
+        if name.upper().startswith(PREFIX) and name.upper() not in (*settings, *TEST_SWITCHES)
     ]

@@ -263,10 +263,6 @@ class _Witnessed:
     trusted: NDArray[np.bool_]
     tried: int
 
-    def group(self, mask: NDArray[np.bool_]) -> tuple[dict[str, Array], Array]:
-        cells = {name: values[mask] for name, values in self.cells.items()}
-        return cells, self.truth.velocity[mask]
-
 
 def _motions(prepared: Prepared, watch: Watch) -> Report:
     study: Any = prepared.study
@@ -281,7 +277,8 @@ def _motions(prepared: Prepared, watch: Watch) -> Report:
     error, largest, seconds = (np.full(shape, np.nan) for _ in range(3))
     part = watch.part(0.05 / max(1, 3 * error.size))
     for row, in_group in enumerate(groups.values()):
-        cells, velocity = motions.group(in_group)
+        cells = {name: values[in_group] for name, values in motions.cells.items()}
+        velocity = motions.truth.velocity[in_group]
         for column, tolerance in enumerate(TOLERANCES):
             if watch.stopped():
                 break
@@ -354,10 +351,10 @@ def _run(
     count = next(iter(cells.values())).size
     drive = outputs["drive_number"] * outputs["velocity_scale"]  # the speed of the track, A w
     with np.errstate(divide="ignore", invalid="ignore"):  # a drive at rest has no share
-        shares = [
+        over_drive = [
             outputs[name] / drive for name in ("conveying_velocity", "conveying_velocity_error")
         ]
-    velocity, stated = (np.broadcast_to(share, count) for share in shares)
+    velocity, stated = (np.broadcast_to(fraction, count) for fraction in over_drive)
     status = np.broadcast_to(outputs["motion_status"], count)
     hops = np.broadcast_to(outputs["flight_fraction"] > 0, count)
     return _Means(

@@ -59,9 +59,9 @@ def is_muted() -> bool:
 
 
 @contextmanager
-def muted(asked: bool) -> Iterator[None]:
-    """Suppress printed lines, tables and progress bars inside the block, if `asked` is True."""
-    _muted.append(asked)
+def muted(quiet: bool) -> Iterator[None]:
+    """Suppress printed lines, tables and progress bars inside the block, if `quiet` is True."""
+    _muted.append(quiet)
     try:
         yield
     finally:

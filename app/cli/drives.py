@@ -114,8 +114,8 @@ def facts(fit: Fit, units: ShownUnits | None = None) -> Iterator[tuple[str, str]
         yield "note" if number == 1 else f"note {number}", note
     if fit.tilt is not None:
         climb, lean = np.degrees(fit.tilt.climb), np.degrees(fit.tilt.lean)
-        left = "" if np.isnan(lean) else f", rises to its left by {lean:.2f} degrees"
-        yield "tilt", f"climbs by {climb:.2f} degrees{left}"
+        side_text = "" if np.isnan(lean) else f", rises to its left by {lean:.2f} degrees"
+        yield "tilt", f"climbs by {climb:.2f} degrees{side_text}"
 
 
 def _percent_of_axes(fit: Fit, fractions: np.ndarray) -> str:

@@ -167,9 +167,9 @@ class Running:
             interruptible_compiler(stopped_early),
         ):
 
-            def progress(share: float) -> None:
+            def progress(fraction: float) -> None:
                 begun.set()  # from now on Ctrl-C keeps what is computed
-                advance(share)
+                advance(fraction)
 
             try:
                 table = kinds.tabulate(prepared, Watch(progress, interrupted, self.deadline))
@@ -392,8 +392,10 @@ def _say_how_to_go_on(path: Path, target: str, prepared: Prepared) -> None:
         f"{path}: it was stopped; {done:,} of {blocks:,} blocks are done, about "
         f"{cells_done:,} of {prepared.cells:,} cells."
     )
-    where = target if "://" in target else partial(Path(target))
-    console.fail(f"What is done is kept in {where}. To go on, give the same command with --resume.")
+    location = target if "://" in target else partial(Path(target))
+    console.fail(
+        f"What is done is kept in {location}. To go on, give the same command with --resume."
+    )
 
 
 def _gb(size: float) -> str:

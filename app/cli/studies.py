@@ -46,13 +46,13 @@ class Batch(dict[Path, "Prepared"]):
     def count_of_warnings(self) -> str:
         """The number of warnings, as in "2 warnings in 1 of 10 studies"; empty without any."""
         count, studies = sum(map(len, self.warnings.values())), len(self)
-        where = f" in {len(self.warnings):,} of {studies:,} studies" if studies > 1 else ""
-        return f"{count:,} warning{'s' * (count > 1)}{where}" if count else ""
+        suffix = f" in {len(self.warnings):,} of {studies:,} studies" if studies > 1 else ""
+        return f"{count:,} warning{'s' * (count > 1)}{suffix}" if count else ""
 
     def refusals(self) -> list[dict[str, Any]]:
         """Return the studies that were refused, for programs, each with its problems."""
         return [
-            {"study": str(path), "errors": [one.document() for one in problems]}
+            {"study": str(path), "errors": [problem.document() for problem in problems]}
             for path, problems in self.refused.items()
         ]
 

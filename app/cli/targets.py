@@ -96,7 +96,7 @@ def refuse_choices(storage: Storage, targets: Iterable[str]) -> None:
     for option, (is_given, suffix) in given.items():
         fix = f"Leave it out, or give the output a name that ends in {suffix}"
         problem = Problem(option, f"it is for {FORMATS[suffix].name} only", fix)
-        invalid = {Path(one): [problem] for one in targets if suffix_of(one) != suffix}
+        invalid = {Path(target): [problem] for target in targets if suffix_of(target) != suffix}
         if is_given and invalid:
             refuse(invalid)
 

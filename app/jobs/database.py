@@ -84,7 +84,7 @@ class Database:
 
     Parameters
     ----------
-    where : Path or str
+    location : Path or str
         An SQLite file, or the URL of a database.
 
     Attributes
@@ -93,10 +93,12 @@ class Database:
         True once a read or a change has found the database damaged.
     """
 
-    def __init__(self, where: Path | str):
+    def __init__(self, location: Path | str):
         """Note the SQLite file or the URL of the database; connect on first use."""
         url = (
-            make_url(where) if isinstance(where, str) else URL.create("sqlite", database=f"{where}")
+            make_url(location)
+            if isinstance(location, str)
+            else URL.create("sqlite", database=f"{location}")
         )
         self.kind = url.get_backend_name()
         self._file = Path(url.database or "") if self.kind == "sqlite" else None

@@ -164,7 +164,7 @@ class Ledger:
 
     Parameters
     ----------
-    where : Path or str
+    location : Path or str
         The SQLite file, made if missing; or the URL of a database.
 
     Attributes
@@ -173,9 +173,9 @@ class Ledger:
         Where other tables may stand beside those of jobs.
     """
 
-    def __init__(self, where: Path | str):
+    def __init__(self, location: Path | str):
         """Use the ledger in an SQLite file, or in a database at a URL."""
-        self.database = Database(where)
+        self.database = Database(location)
 
     def close(self) -> None:
         """Close the database; the next use opens it again."""

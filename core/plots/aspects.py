@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -80,8 +81,7 @@ def _divide(corners: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArra
 
 
 def _sides(triangle: list[int]) -> Iterator[tuple[int, int]]:
-    a, b, c = triangle
-    return iter(((a, b), (b, c), (c, a)))
+    return pairwise((*triangle, triangle[0]))
 
 
 def _draw_aspect(

@@ -357,9 +357,9 @@ def draw_file(
         )
     for target in targets:
         check_format(target)
-    held = read_fixed(at or {})
+    fixed = read_fixed(at or {})
     figure = draw(
-        [read(each) for each in files], variable=variable, axes=axes, at=held, kind=kind, **look
+        [read(path) for path in files], variable=variable, axes=axes, at=fixed, kind=kind, **look
     )
     for target in targets:
         save(figure, target)

@@ -213,8 +213,8 @@ def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = Tru
 def veiled_swatch(look: Look, face: RGB) -> Patch:
     """Return the legend entry of a regime over a face colour, with the veil of invalid values."""
     ground = look.style.ground
-    seen = face if look.valid else mix(face, ground, VEIL_STRENGTH)
-    return swatch(look, seen, mix(seen, _ink(look, face), 0.6))
+    veiled = face if look.valid else mix(face, ground, VEIL_STRENGTH)
+    return swatch(look, veiled, mix(veiled, _ink(look, face), 0.6))
 
 
 def _ink(look: Look, face: RGB) -> RGB:

@@ -19,26 +19,26 @@ FINE = 721  # points of a smooth curve
 UNITS = "m", "m/s", "m/s²"  # of displacements, velocities and accelerations
 
 
-def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
+def draw_fit(fit: Fit) -> Figure:
     """Return the picture of a drive that was fitted to a recording of accelerations.
 
     On the left are the samples of one period with the fitted drive, axis by axis, and the residual;
     on the right the spectrum, in which dots mark the fitted harmonics, and the path of the track.
     """
-    style = Style(dark=dark)
+    style = LIGHT
     figure = style.sheet(10.0, 7.0)
-    left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
+    left_half, right_half = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
     count = len(fit.axes)
-    periods = left.subplots(count + 1, 1, sharex=True, height_ratios=(*(1.0,) * count, 0.8))
+    periods = left_half.subplots(count + 1, 1, sharex=True, height_ratios=(*(1.0,) * count, 0.8))
     _draw_period(periods, fit, style)
-    spectrum, path = right.subplots(2, 1, height_ratios=(1.0, 1.2))
+    spectrum, path = right_half.subplots(2, 1, height_ratios=(1.0, 1.2))
     _draw_spectrum(spectrum, fit, style)
     _draw_path(path, fit, style)
     for axes in (*periods, spectrum, path):
         style.add_grid(axes)
-    for part in (left, right):
+    for part in (left_half, right_half):
         part.set_facecolor(style.ground)
-    left.align_ylabels(periods)
+    left_half.align_ylabels(periods)
     facts, source = _facts(fit)
     return finish(
         figure, periods[0], style, name="Drive of a recording", facts=facts, source=source
@@ -160,8 +160,7 @@ def draw_report(dataset: xarray.Dataset) -> Figure | None:
     """
     if not np.isfinite(dataset["error"].values).any():
         return None
-    style = LIGHT
-    figure = style.sheet(7.0, 5.6)
+    figure = LIGHT.sheet(7.0, 5.6)
     axes = figure.subplots()
     for index, curve in enumerate(flags_of(dataset["curve"].attrs).values()):
         of_curve = dataset.isel(curve=index)
@@ -169,7 +168,7 @@ def draw_report(dataset: xarray.Dataset) -> Figure | None:
         # Errors of 0 have no place on a logarithmic axis.
         low, high = (np.fmax(of_curve[name].values, 1e-18) for name in ("error", "error_largest"))
         colour, marker = (
-            choices[index % len(choices)] for choices in (style.series, "osD^vPX*ph<")
+            choices[index % len(choices)] for choices in (LIGHT.series, "osD^vPX*ph<")
         )
         axes.vlines(seconds, low, high, color=colour, lw=1.2)
         axes.plot(seconds, high, "_", color=colour, ms=8)
@@ -180,7 +179,7 @@ def draw_report(dataset: xarray.Dataset) -> Figure | None:
         xlabel="Time of a cell (us)",
         ylabel="Error: median (mark) to largest (bar)",
     )
-    style.add_grid(axes)
+    LIGHT.add_grid(axes)
     entries, _ = axes.get_legend_handles_labels()
     name = f"Error against run time: {dataset.attrs.get('title', '')}"
-    return finish(figure, axes, style, name=name, entries=entries)
+    return finish(figure, axes, LIGHT, name=name, entries=entries)

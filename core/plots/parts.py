@@ -235,9 +235,9 @@ def scale_of(values: Array, style: Style) -> Scale | None:
         return None
     locator = MaxNLocator(12, steps=[1, 2, 2.5, 5, 10])
     levels = np.asarray(locator.tick_values(*limits), dtype=np.float64)
-    under, over = np.nanmin(values) < levels[0], np.nanmax(values) > levels[-1]
+    is_below, is_above = np.nanmin(values) < levels[0], np.nanmax(values) > levels[-1]
     extend: Literal["neither", "min", "max", "both"] = (
-        "both" if under and over else "min" if under else "max" if over else "neither"
+        "both" if is_below and is_above else "min" if is_below else "max" if is_above else "neither"
     )
     # A sign that reaches less of the other leaves the colours to that one.
     if min(-limits[0], limits[1]) > 0.1 * max(-limits[0], limits[1]):

@@ -363,12 +363,12 @@ def _is_exact(dataset: xarray.Dataset, output: str) -> bool:
     return output in scene.producers(variant) and output not in restricted
 
 
-def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
+def units_of(dataset: xarray.Dataset, units: Sequence[str] | str | None) -> ShownUnits:
     """Return the units in which a picture shows values: those asked for, else those of the study.
 
     `PlotError` tells that a name is not a unit.
     """
-    words = dataset.attrs.get("shown_units", "") if asked is None else asked
+    words = dataset.attrs.get("shown_units", "") if units is None else units
     listed = words.split(",") if isinstance(words, str) else list(words)
     try:
         return read_shown(word for word in listed if word.strip())
@@ -412,12 +412,12 @@ def in_letters(at: Mapping[str, Any]) -> dict[str, Any]:
 def fixed_positions(
     dataset: xarray.Dataset,
     at: Mapping[str, float],
-    loose: Iterable[str],
+    dimensions: Iterable[str],
     axes: Iterable[str],
     *,
     nearest: bool = False,
 ) -> dict[str, int]:
-    """Return the index at which each of the `loose` dimensions is held; else the middle.
+    """Return the index at which each of some `dimensions` is held; else the middle.
 
     `at` has values of dimensions in the unit of the dataset, `axes` are drawn. With `nearest` a
     value that the dataset does not have stands for the nearest one. `PlotError` tells that `at`
@@ -440,7 +440,7 @@ def fixed_positions(
                 suggestion(name, map(str, dataset.dims)),
             )
         positions[name] = _position(dataset[name], value, nearest=nearest)
-    return {name: positions.get(name, dataset.sizes[name] // 2) for name in loose}
+    return {name: positions.get(name, dataset.sizes[name] // 2) for name in dimensions}
 
 
 def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> int:

@@ -79,7 +79,11 @@ def study_of_motion(dataset: xarray.Dataset) -> Prepared | None:
     None if there are several cells, no study of a motion, or a method that gives no trajectory.
     """
     text = str(dataset.attrs.get("study", ""))
-    if "motion_status" not in dataset or any(one.size > 1 for one in dataset.values()) or not text:
+    if (
+        "motion_status" not in dataset
+        or any(values.size > 1 for values in dataset.values())
+        or not text
+    ):
         return None
     try:
         study = parse_json(text)

@@ -227,8 +227,7 @@ def turning_track(
     phi; k is the unit vector to the left, d leads from the base's mass centre to the trough's, b
     from there to the spot (theory 15.2).
     """
-    phi = trough_turn
-    trough_part = base_mass / (loaded_mass + base_mass)  # of the stroke, m2/M
+    trough_part, phi = base_mass / (loaded_mass + base_mass), trough_turn  # m2/M
     along = trough_part * (stroke * cosine(spring_angle) - phi * offset_upward) - phi * spot_upward
     upward = trough_part * (stroke * sine(spring_angle) + phi * offset_along) + phi * spot_along
     return along, upward

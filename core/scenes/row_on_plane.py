@@ -222,15 +222,15 @@ def two_level_force(
 
     M is the mass of the row; the others as of `two_level_hold`.
     """
-    away, impact_velocity, period = two_level_hold
-    drag = friction_kinetic * gravity * (period - away)
+    free_time, impact_velocity, period = two_level_hold
+    drag = friction_kinetic * gravity * (period - free_time)
     return row_weight / gravity * (drag + impact_velocity) / period
 
 
 def two_level_contact(*, two_level_hold: tuple[Array, Array, Array]) -> Array:
     """Return the share of the time in which the row touches the stop, (T - t - s)/T [1]."""
-    away, _, period = two_level_hold
-    return (period - away) / period
+    free_time, _, period = two_level_hold
+    return (period - free_time) / period
 
 
 def two_level_impacts(
@@ -240,8 +240,8 @@ def two_level_impacts(
 
     V_i/(mu g (T - t - s) + V_i), as of `two_level_hold`.
     """
-    away, impact_velocity, period = two_level_hold
-    drag = friction_kinetic * gravity * (period - away)
+    free_time, impact_velocity, period = two_level_hold
+    drag = friction_kinetic * gravity * (period - free_time)
     return impact_velocity / (drag + impact_velocity)
 
 
@@ -253,10 +253,10 @@ def strikes_too_late(
 
     The closed form of the force on the stop does not hold there; symbols as of `two_level_hold`.
     """
-    away, _, period = two_level_hold
+    free_time, _, period = two_level_hold
     a_s, a_m = forward_acceleration, return_acceleration
     peak = a_s * period * a_m / (a_s + a_m) / 2  # V
-    return away > peak / a_m + 2 * peak / a_s
+    return free_time > peak / a_m + 2 * peak / a_s
 
 
 def is_not_carried(
@@ -338,8 +338,8 @@ def least_two_level_force(
     runs back; 0 where friction holds it.
     """
     excess = np.maximum(return_acceleration - friction_static * gravity, 0.0)
-    share = forward_acceleration / (forward_acceleration + return_acceleration)
-    return row_weight / gravity * excess * share
+    time_fraction = forward_acceleration / (forward_acceleration + return_acceleration)
+    return row_weight / gravity * excess * time_fraction
 
 
 def slips_back_in_steps(

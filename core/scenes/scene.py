@@ -311,9 +311,10 @@ class Scene:
         The physical variant has no law of its own for the velocity after a distance, for example,
         and takes the derived one.
         """
-        producer = self.producers(variant).get
         # What an equation of one variant needs is of that variant too: it is not looked at.
-        steps = behind((output,), producer, lambda equation: equation.variant == "all")
+        steps = behind(
+            (output,), self.producers(variant).get, lambda equation: equation.variant == "all"
+        )
         variants = {step.variant for step in steps.values() if step is not None} - {"all"}
         return variants.pop() if len(variants) == 1 else variant
 

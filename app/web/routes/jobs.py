@@ -166,21 +166,23 @@ async def list_jobs(
 ) -> Response:
     """Return jobs, the latest first; the link `next` leads to further ones."""
     seen_by = None if api_key.sees_all else api_key.name
-    known = [name for name in process if name in PROCESSES]
-    wanted = Wanted(tuple(known), tuple(status), parse_interval(created), (least, longest), seen_by)
-    here = URL(f"{base}/jobs").replace(query=request.url.query)
+    known_processes = [name for name in process if name in PROCESSES]
+    wanted = Wanted(
+        tuple(known_processes), tuple(status), parse_interval(created), (least, longest), seen_by
+    )
+    list_url = URL(f"{base}/jobs").replace(query=request.url.query)
 
     def link(rel: str, url: URL) -> dict[str, str]:
         return {"href": str(url), "rel": rel, "type": "application/json"}
 
     def read() -> Response:
         jobs = []
-        if (known or not process) and (not kind or "process" in kind):
+        if (known_processes or not process) and (not kind or "process" in kind):
             jobs = admission.ledger.jobs(wanted, limit=limit + 1, after=parse_cursor(after))
-        links = [link("self", here)]
+        links = [link("self", list_url)]
         if len(jobs) > limit:
             last = jobs[limit - 1]
-            next_url = here.include_query_params(after=f"{last.created!r},{last.id}")
+            next_url = list_url.include_query_params(after=f"{last.created!r},{last.id}")
             links.append(link("next", next_url))
         statuses = [
             status_info(job, base, waiting_reason=admission.waiting_reason())
