@@ -129,6 +129,7 @@ def tools_for(service: httpx2.AsyncClient) -> MCPServer:
 
 
 def _summarise(content: bytes, output: str, kind: str) -> list[Any]:
+    """Return unit, dimensions and range of each variable of a result, and a picture."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "result.nc"
         file.write_bytes(content)
@@ -162,6 +163,7 @@ async def _execute(service: httpx2.AsyncClient, study: dict[str, Any], **headers
 async def _reply(
     service: httpx2.AsyncClient, method: str, path: str, **options: Any
 ) -> httpx2.Response:
+    """Return a reply of the service; raise `ToolError` with its problems."""
     reply = await service.request(method, path, **options)
     if reply.is_success:
         return reply

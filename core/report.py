@@ -186,6 +186,7 @@ def check(prepared: Prepared) -> None:
 
 
 def _closed_forms(prepared: Prepared, watch: Watch) -> Report:
+    """Measure each output of a sweep in floats of 32 and of 64 bits."""
     plan, grid = prepared.plan, prepared.grid
     count = min(FORMULA_CELLS, grid.cells)
     sample = grid.at(random_positions(grid, count, SEED), count, plan.parameters)
@@ -265,6 +266,7 @@ class _Witnessed:
 
 
 def _motions(prepared: Prepared, watch: Watch) -> Report:
+    """Measure the method `events` over its tolerance: sliding motions, and hopping ones."""
     study: Any = prepared.study
     settings_of_study = {
         name: value for name, value in study.settings().items() if name == "max_periods"
@@ -312,6 +314,7 @@ def _witness_note(motions: _Witnessed) -> str:
 
 
 def _witnessed(prepared: Prepared, limits: Mapping[str, float], watch: Watch) -> _Witnessed:
+    """Return random cells that move and repeat, followed by the witness."""
     scene, grid = prepared.plan.scene, prepared.grid
     parameters = {name for method in scene.variants for name in scene_parameters(scene, method)}
     names = [name for name in (*grid.axes, *grid.fixed) if name in parameters]
@@ -320,6 +323,7 @@ def _witnessed(prepared: Prepared, limits: Mapping[str, float], watch: Watch) ->
     single_cell = {name: values[:1] for name, values in sample.items()}
     _run(prepared, "events", single_cell, limits, watch.part(0.02))  # compiles
     first = _run(prepared, "events", sample, limits, watch.part(0.08))
+    # Motions that repeat, and move.
     chosen = np.flatnonzero(first.periodic & (np.abs(first.velocity) > ROUNDING))
     if not chosen.size:
         return _Witnessed(sample, first, np.zeros(count, dtype=np.bool_), count)
@@ -341,6 +345,7 @@ def _run(
     settings: Mapping[str, float],
     watch: Watch,
 ) -> _Means:
+    """Follow the motions of some cells by a method, and take the time."""
     plan = plan_scene(prepared.plan.scene, method, OUTPUTS, tuple(cells))
     settings_used = {name: value for name, value in settings.items() if name in plan.defaults}
     plan = replace(plan, defaults={**plan.defaults, **settings_used})

@@ -26,10 +26,7 @@ STATISTICS = ("best", "median", "lower_68", "upper_68", "lower_95", "upper_95")
 
 
 def show_findings(result: "Table", units: "ShownUnits") -> None:
-    """Print a calibration: unknowns with intervals, measured runs, and findings in sentences.
-
-    `result` is the table of the calibration, `units` those for printing.
-    """
+    """Print a calibration: unknowns with intervals, measured runs, and findings in sentences."""
     rows = []
     for name in str(result.attributes["unknowns"]).split():
         unit, (best, median, lower_68, upper_68, lower_95, upper_95) = _read_values(
@@ -99,8 +96,7 @@ def describe_nearest(result: "Table", units: "ShownUnits", deadline: float | Non
 
     Each says by how much a limit is missed while all others are kept, or which change would let all
     be kept. The search takes a while; the result is empty if it is skipped by Ctrl-C, or not
-    needed. `result` is the table of the optimisation, `units` are those for printing, `deadline`
-    is the time of `time.monotonic` at which to stop [s].
+    needed. `deadline` is the time of `time.monotonic` at which to stop [s].
     """
     if is_muted() or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
@@ -177,10 +173,7 @@ def is_short(name: str) -> bool:
 
 
 def show_design(result: "Table", units: "ShownUnits") -> None:
-    """Print a design with uncertain parameters: probabilities, and each output by parameter.
-
-    `result` is a sensitivity study with a single cell, `units` those for printing.
-    """
+    """Print a design with uncertain parameters: probabilities, and each output by parameter."""
     for name, variable in result.variables.items():
         if name.startswith("probability_") and not name.endswith("_error"):
             error = result.variables[f"{name}_error"].values.item()

@@ -29,10 +29,7 @@ def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
 
 
 def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
-    """Print everything about one scene: validity, parameters, outputs and regimes.
-
-    `scene` is its entry of the catalogue, `units` those for printing.
-    """
+    """Print everything about one scene: validity, parameters, outputs and regimes."""
     source = f" (section {scene['source']} of the thesis)" if scene["source"] else ""
     say(f"{scene['name']}: {scene['title']}{source}")
     if "method" in scene:

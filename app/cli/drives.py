@@ -17,10 +17,7 @@ PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
 
 
 def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
-    """Print the frequency, harmonics and errors of a drive that was fitted to a recording.
-
-    `recording` is its file, `units` those for printing.
-    """
+    """Print the frequency, harmonics and errors of a drive that was fitted to a recording."""
     say(f"{recording}: {fit.samples:,} samples, {fit.periods:.1f} periods")
     for name, text in facts(fit, units):
         say(f"  {name}: {text}")

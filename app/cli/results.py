@@ -210,7 +210,6 @@ def _knee(result: Table, units: ShownUnits) -> str:
     """Return a sentence on the knee of a trade-off front: outputs and choice; empty if none.
 
     The knee is the point of a Pareto front that is farthest from the chord between its ends.
-    `result` is the table of an optimisation, `units` are those for printing.
     """
     knee = result.variables.get("knee")
     if knee is None or np.count_nonzero(knee.values) != 1:
@@ -283,10 +282,7 @@ def _outputs(result: Table) -> dict[str, TableVariable]:
 def _show_outputs(
     outputs: Mapping[str, Mapping[str, Any]], result: Table, units: ShownUnits
 ) -> None:
-    """Print a table of outputs: one value each for a single design, else their ranges.
-
-    `outputs` are those of the result's JSON document, `units` those for printing.
-    """
+    """Print a table of outputs: one value each for a single design, else their ranges."""
     friction_range, widths = known_between(result.coordinates), band_widths(result)
     if all("value" in column for column in outputs.values()):
         _show_single(outputs, friction_range, units)

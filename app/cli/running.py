@@ -301,7 +301,7 @@ def run_large(
             watch = Watch(advance, interrupted, deadline)
             try:
                 if is_zarr(target):
-                    _to_zarr(prepared, table, target, watch, history, resume=resume)
+                    _store_zarr(prepared, table, target, watch, history, resume=resume)
                 else:
                     lazy.store.store_netcdf(
                         prepared, table, Path(target), watch,
@@ -323,7 +323,7 @@ def run_large(
     return True, not kinds.not_verified(table), facts
 
 
-def _to_zarr(
+def _store_zarr(
     prepared: Prepared, table: Table, target: str, watch: Watch, history: str, *, resume: bool
 ) -> None:
     group = lazy.store.ZarrStore(prepared, target)
@@ -334,6 +334,7 @@ def _to_zarr(
         done = blocks - missing
         console.say(f"  continuing: {done:,} of {blocks:,} blocks were done before")
     group.store(watch)
+    # What the study took is known only if all of it was computed now.
     cost = run_cost(prepared.cells, time.perf_counter() - started) if missing == blocks else {}
     group.finish({"history": history, **cost})
 

@@ -165,7 +165,7 @@ class Runner:
         count = self._store.remove_leftovers(0)
         if count:
             logger.info("files of killed writers removed", extra={"count": count})
-        fcntl.flock(self._lock_file, fcntl.LOCK_SH)
+        fcntl.flock(self._lock_file, fcntl.LOCK_SH)  # beside other servers
 
     async def _run(self) -> None:
         """Claim work until cancelled: whenever `wake` is called, and every half second.

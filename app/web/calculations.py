@@ -164,6 +164,7 @@ def read_task(name: str, body: bytes, settings: Settings, max_cells: int | None)
 def _read_study(
     name: str, body: bytes, settings: Settings, max_cells: int | None
 ) -> tuple[Prepared, bool]:
+    """Return the study of a request, within the limits, and whether to reply by a document."""
     study, as_document = read_execution(read_json(body), name)
     prepared = prepare_content(study)
     if name == ACCURACY:  # only some cells of the grid are computed

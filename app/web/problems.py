@@ -134,8 +134,7 @@ def _failed(request: Request, error: Exception) -> Response:
 def _storage(request: Request, error: Exception) -> Response:
     """Return the problem document of a storage error: 503 if it is likely to pass, else 507.
 
-    A handler of FastAPI: `request` is not used; `error` is that of a file or of the ledger's
-    database, and goes to the log.
+    The error, of a file or of the ledger's database, goes to the log.
     """
     assert isinstance(error, OSError | sqlite3.OperationalError)
     logger.error("storage failed", exc_info=error)
@@ -147,10 +146,7 @@ def _storage(request: Request, error: Exception) -> Response:
 
 
 def _invalid(request: Request, error: Exception) -> Response:
-    """Return the problem document 422 of a request that FastAPI found invalid.
-
-    A handler of FastAPI: `request` is not used; `error` lists the faults of the request.
-    """
+    """Return the problem document 422 of a request that FastAPI found invalid."""
     # The input is not echoed: it may hold values that JSON has no word for.
     assert isinstance(error, RequestValidationError)
     problems = [

@@ -35,10 +35,7 @@ class Server(uvicorn.Server):
     """
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Begin to stop; Ctrl-C or a second signal ends the draining, a further one all waiting.
-
-        `sig` is the signal's number; `frame` is not used.
-        """
+        """Begin to stop; Ctrl-C or a second signal ends the draining, a further one all waiting."""
         state = self.config.app.state  # type: ignore[union-attr]
         is_first = not state.stopping.is_set()
         state.stopping.set()

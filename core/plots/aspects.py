@@ -56,7 +56,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def _divide(corners: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArray[np.bool_]]:
-    """Small triangles of a surface, (n, 3, 3), and which of their sides, (n, 3), are its edges."""
+    """Return small triangles of a surface, (n, 3, 3), and True at sides, (n, 3), that are edges."""
     pieces = corners[triangles]
     normals = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
@@ -87,6 +87,7 @@ def _sides(triangle: list[int]) -> Iterator[tuple[int, int]]:
 def _draw_aspect(
     panel: Axes, pieces: Array, edges: NDArray[np.bool_], aspect: dict[str, Any], style: Style
 ) -> None:
+    """Draw a part as it lies, seen from the left of the lane and from above."""
     up, along = -np.array(aspect["down"]), np.array(aspect["along"])
     across = np.cross(up, along)
     # The lane leads from the viewer's left to the right.
@@ -130,6 +131,7 @@ def _draw_aspect(
 
 
 def _label(panel: Axes, order: int, aspect: dict[str, Any], unit: Shown, style: Style) -> None:
+    """Write number, shares, height and lane of an aspect below its drawing."""
     shares = sorted(100 * aspect[f"{key}_share"] for key in ("let_down", "thrown"))
     low, high = (f"{key:.0f}" for key in shares)
     bracket = low if low == high else f"{low} to {high}"

@@ -125,6 +125,7 @@ def draw(
 
 
 def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figure:
+    """Return the picture of one output of several datasets, over the same axis."""
     style = options.style
     if len(datasets) > MOST:
         raise PlotError(
@@ -165,6 +166,7 @@ def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figu
 
 
 def _selections(datasets: Sequence[xarray.Dataset], options: Options) -> list[Selection]:
+    """Return the slice of each dataset, all in the same unit."""
     for dataset in datasets:
         if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
             raise PlotError(
@@ -175,7 +177,7 @@ def _selections(datasets: Sequence[xarray.Dataset], options: Options) -> list[Se
     output = _output(datasets, options.variable)
     axis = _axis(datasets, output, options.axes)
     at, dimensions = options.at, {str(name) for dataset in datasets for name in dataset.dims}
-    refused_later = {name for name in at if name not in dimensions or name == axis}  # refused later
+    refused_later = {name for name in at if name not in dimensions or name == axis}  # by `select`
 
     def select_all(units: ShownUnits) -> list[Selection]:
         return [
@@ -193,6 +195,7 @@ def _selections(datasets: Sequence[xarray.Dataset], options: Options) -> list[Se
     units = options.units
     selections = select_all(units)
     if len({selection.unit for selection in selections}) > 1:
+        # Each has its unit by its own values: take the one that suits the largest of all.
         largest = max(float(np.nanmax(np.abs(selection.variable))) for selection in selections)
         file_unit = str(selections[0].variable.attrs.get("units", "1"))
         selections = select_all(
@@ -218,6 +221,7 @@ def _add_line(sheet: Axes, selection: Selection, colour: str, dashes: Any, style
 
 
 def _output(datasets: Sequence[xarray.Dataset], variable: str | None) -> str:
+    """Return the output to draw, by default the first that all datasets have."""
     shared = [  # what has several values, to compare them by
         name
         for name in outputs_of(datasets[0])
@@ -243,6 +247,7 @@ def _output(datasets: Sequence[xarray.Dataset], variable: str | None) -> str:
 
 
 def _axis(datasets: Sequence[xarray.Dataset], output: str, axes: tuple[str, ...] | None) -> str:
+    """Return the axis to draw over, by default the longest that all datasets have."""
     if axes is not None and len(axes) != 1:
         raise PlotError(
             "axes",

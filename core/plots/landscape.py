@@ -109,6 +109,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Options) -> Figure:
+    """Return the picture of the objective over one or two variables."""
     problem, style, units = prepared.problem, options.style, options.units
     names = options.axes[::-1] if options.axes else problem.names[:2]  # the last is across
     if len(names) > 2 or len({*names}) < len(names) or not {*names} <= {*problem.names}:

@@ -153,6 +153,7 @@ def render(
 def _draw_line(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
+    """Draw a curve, or some for values of a second axis, with their regimes."""
     # Outputs that have a name in each cell are drawn as strips.
     across = selection.axes[0]
     chosen = thin(selection.axes[1].values.size, FEW) if len(selection.axes) > 1 else [0]
@@ -161,9 +162,9 @@ def _draw_line(
         return _draw_categories(figure, selection, regimes, looks, style, chosen)
     values = selection.values.reshape(across.values.size, -1)[:, chosen]
     colours = style.series_over(len(chosen))
-    axes, entries, is_shared = _draw_regimes(figure, selection, regimes, looks, style, chosen)
+    axes, entries, is_shaded = _draw_regimes(figure, selection, regimes, looks, style, chosen)
     for colour, curve, states in zip(colours, values.T, regimes.T, strict=True):
-        strokes = [_stroke(look, looks, is_shared) for look in looks]
+        strokes = [_stroke(look, looks, is_shaded) for look in looks]
         _draw_curve(axes, across.values, curve, states, looks, strokes, colour, style)
     if selection.band is not None:
         low, high = (end.reshape(across.values.size, -1)[:, chosen] for end in selection.band)
@@ -195,11 +196,15 @@ def _draw_regimes(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist], bool]:
+    """Set up axes and show regimes: by the background, by strips below, or else by dashes.
+
+    Return the axes, the legend entries, and False where dashes alone tell regimes apart.
+    """
     across = selection.axes[0]
-    is_shared = bool((regimes == regimes[:, :1]).all())
-    has_strips = not is_shared and len({_stroke(look, looks, is_shared) for look in looks}) < len(
-        looks
-    )
+    # The background shows them if they are the same for all curves.
+    are_equal = bool((regimes == regimes[:, :1]).all())
+    strokes = [_stroke(look, looks, is_shaded=False) for look in looks]
+    has_strips = not are_equal and len({*strokes}) < len(looks)
     if has_strips:
         heights = (1.0, 0.055 * len(chosen))
         axes, lowest = figure.subplots(2, 1, sharex=True, height_ratios=heights)
@@ -209,17 +214,16 @@ def _draw_regimes(
         axes = lowest = figure.add_subplot()
     if across.is_log:
         set_log(axes.xaxis, across.values)
-    if is_shared:
+    if are_equal:
         _shade_spans(axes, across, regimes[:, 0], looks, style)
         entries = [swatch(look, look.tint, hatched=look.name not in MOTION) for look in looks]
     elif not has_strips:
-        strokes = [_stroke(look, looks, alike=False) for look in looks]
         entries = [
             Line2D([], [], color=style.ink, linewidth=width, linestyle=dashes, label=look.label)
             for look, (width, dashes) in zip(looks, strokes, strict=True)
         ]
     lowest.set_xlabel(across.label)
-    return axes, entries, is_shared or has_strips
+    return axes, entries, are_equal or has_strips
 
 
 def _draw_categories(
@@ -230,6 +234,7 @@ def _draw_categories(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist]]:
+    """Draw the names in cells as strips, one for each value of a second axis."""
     axes = figure.add_subplot()
     across = selection.axes[0]
     if across.is_log:
@@ -251,6 +256,7 @@ def _labels(selection: Selection, chosen: Sequence[int] | NDArray[np.int64]) -> 
 
 
 def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
+    """Draw the line of an output's threshold, such as throw number 1."""
     level, meaning = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     low, high = axes.get_ylim()
     if low < level < high:
@@ -271,6 +277,7 @@ def _add_bands(
     colours: list[RGB],
     style: Style,
 ) -> Artist:
+    """Shade the band of each curve; return the legend entry."""
     for low, high, colour in zip(lower.T, upper.T, colours, strict=True):
         if (low < high).any():
             axes.fill_between(x, low, high, color=colour, alpha=BAND, linewidth=0, zorder=1.5)
@@ -285,6 +292,7 @@ def _add_strips(
     looks: Sequence[Look],
     labels: list[str],
 ) -> None:
+    """Draw the regimes of each curve as a row of coloured bars."""
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     for row, states in enumerate(regimes.T):
@@ -306,16 +314,17 @@ def _runs(states: NDArray[np.int64]) -> list[tuple[int, int, int]]:
     return [(int(states[start]), start, stop) for start, stop in pairwise(changes)]
 
 
-def _stroke(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, Dashes]:
+def _stroke(look: Look, looks: Sequence[Look], is_shaded: bool) -> tuple[float, Dashes]:
     """Return the line width and the dashes of a curve in a regime.
 
     Curves are solid where the formulas hold, and dashed in regimes where they do not, each with a
-    pattern of its own, unless the background tells the regimes apart: `alike`.
+    pattern of its own, unless the background tells the regimes apart: `is_shaded`.
     """
     if look.valid:
-        return PLAIN[-1] if alike else look.width, "solid"
-    rank = 0 if alike else [other for other in looks if not other.valid].index(look)
-    return look.width, (0.0, DASHES[rank % len(DASHES)])
+        return PLAIN[-1] if is_shaded else look.width, "solid"
+    invalid = [other for other in looks if not other.valid]
+    pattern = 0 if is_shaded else invalid.index(look)
+    return look.width, (0.0, DASHES[pattern % len(DASHES)])
 
 
 def _draw_curve(
@@ -361,6 +370,7 @@ def _draw_curve(
 def _shade_spans(
     axes: Axes, across: PlotAxis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
 ) -> None:
+    """Shade the background by regime, with a line where the regime changes."""
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     runs = _runs(states)
@@ -382,6 +392,7 @@ def _shade_spans(
 def _name_curves(
     figure: FigureBase, selection: Selection, values: Array, colours: list[RGB]
 ) -> None:
+    """Add the legend that names curves by their value of the second axis."""
     second = selection.axes[1]
     handles = [
         Line2D([], [], color=colour, linewidth=1.8, label=with_unit(number(value, 4), second.unit))

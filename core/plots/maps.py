@@ -68,6 +68,7 @@ Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 def _draw_contour(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
+    """Draw filled contours of an output, with regimes hatched and named."""
     axes = figure.add_subplot()
     across, up, values, regimes = set_plane(axes, selection, 1000)
     x, y = across.values, up.values

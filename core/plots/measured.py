@@ -64,6 +64,7 @@ def _facts(fit: Fit) -> tuple[list[str], str]:
 
 
 def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
+    """Draw the samples of each axis within one period, the fit, and the residuals."""
     fold = fit.fold()
     milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
     smooth = np.linspace(0.0, 2.0 * np.pi, FINE)
@@ -89,9 +90,11 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
 
 
 def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
+    """Draw the spectrum of each axis, with a dot at each fitted harmonic."""
     fold = fit.fold()
     window = np.hanning(fit.samples)
     amplitude = 2.0 * np.abs(np.fft.rfft(fold.values * window)) / window.sum()
+    # k/(n dt), with n samples of the spacing dt = periods/(frequency (n - 1)).
     frequencies = (
         np.arange(amplitude.shape[1]) * fit.frequency / fit.periods * (1 - 1 / fit.samples)
     )
@@ -128,6 +131,7 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
 
 
 def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
+    """Draw the path of the track, along and normal; without both, each axis over time."""
     phase = np.linspace(0.0, 2.0 * np.pi, FINE)
     moved = dict(zip(fit.axes, 1e6 * fit.displacement(phase), strict=True))
     if "along" not in moved or "normal" not in moved:

@@ -99,6 +99,7 @@ def _longest(
 
 
 def _wrapped(figure: Figure, facts: Sequence[str], width: float, size: float) -> list[str]:
+    """Return facts, joined by dots, as lines that fit a width."""
     lines: list[str] = []
     for fact in facts:
         longer = DOT.join([*lines[-1:], fact])
@@ -116,6 +117,7 @@ def _cut(text: str) -> Iterator[str]:
 
 
 def _add_name(figure: Figure, name: str, style: Style) -> Text:
+    """Write the title on one line, or two, the second cut if it is too long."""
     size, width = style.text(13.0), (1 - 2 * MARGIN) * figure.bbox.width
     words, count = name.split(), 1
     while (

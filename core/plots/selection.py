@@ -177,6 +177,7 @@ def _band(
     part: Callable[[xarray.DataArray], xarray.DataArray],
     factor: float,
 ) -> dict[str, Any]:
+    """Return the fields of a `Selection` on its band: over friction, or of a spread."""
     spread, ends = dataset.get(f"{whole.name}_spread"), [f"{whole.name}_{end}" for end in ENDS]
     if all(end in dataset for end in ends):
         friction_range = known_between(Table.of_xarray(dataset).coordinates)
@@ -196,6 +197,7 @@ def _band(
 def _selected(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
 ) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
+    """Return the output, the axes to draw, and the output's categories, if any."""
     array = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
     names = _axes(array, axes, 1 if kind == "line" else 2)
     categories = None if is_regime(str(array.name)) else categories_of(array)
@@ -216,6 +218,7 @@ def _selected(
 
 
 def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
+    """Return the variable that colours the cells of a map: regimes, or names."""
     if REGIME not in dataset:
         raise PlotError(
             "kind",
@@ -280,6 +283,7 @@ def _regime(dataset: xarray.Dataset, output: xarray.DataArray) -> xarray.DataArr
 
 
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:
+    """Return the name of the output to draw, by default the first that varies."""
     outputs = outputs_of(dataset)
     if not outputs:
         raise unreadable("it holds no output")
@@ -300,6 +304,7 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
 
 
 def _axes(array: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
+    """Return the dimensions to draw over, by default the longest."""
     ranged = [str(dim) for dim in array.dims if array.sizes[dim] > 1]
     if not ranged:
         raise PlotError(

@@ -110,6 +110,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
 
 
 def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
+    """Return name and range of each output, as texts."""
     table = Table.of_xarray(dataset)
     friction_range, rows = known_between(table.coordinates), list[tuple[str, str]]()
     for name, array in dataset.data_vars.items():
@@ -142,6 +143,7 @@ def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
 def _values(
     array: xarray.DataArray, units: ShownUnits, valid: NDArray[np.bool_] | None = None
 ) -> str:
+    """Return the range of the finite and valid values of an array, as text."""
     shown = shown_in(array, units)
     values = np.asarray(array.attrs.get(BAND, array.values), dtype=float) * shown.factor
     if valid is not None and values.size > 1:
@@ -157,6 +159,7 @@ def _values(
 
 
 def _regimes(dataset: xarray.Dataset) -> str:
+    """Return sentences on the regimes that occur, with their shares."""
     sentences = []
     for name in (str(regime) for regime in dataset.data_vars if is_regime(str(regime))):
         noun = long_name(dataset[name]).removeprefix("Regime")

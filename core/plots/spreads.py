@@ -392,6 +392,7 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
 def _draw_marginal(
     panel: Axes, dataset: xarray.Dataset, name: str, x: Array, factor: float, style: Style
 ) -> None:
+    """Draw the density of an unknown, its intervals of 95 and 68 %, and its modes."""
     density = np.asarray(dataset[f"density_{name}"].values, dtype=np.float64)
     panel.plot(x, density, color=style.curve, lw=style.width(1.8))
     for share, depth in zip((95, 68), (PALE, DEEP), strict=True):

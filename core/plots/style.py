@@ -199,7 +199,7 @@ def with_unit(text: str, unit: str) -> str:
 
 
 def math_symbol(symbol: str) -> str:
-    r"""Return a symbol such as `mu_s` in matplotlib's notation; empty for an expression."""
+    r"""Return a symbol, such as `mu_inf`, as `$\mu_{\infty}$`; empty for an expression."""
     match = re.fullmatch("(" + "|".join(GREEK) + r"|[A-Za-z])_?(\d|[a-z]+)?", symbol)
     if not match:
         return ""

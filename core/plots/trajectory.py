@@ -236,6 +236,7 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
 def _draw_trajectory(
     figure: Figure, trajectory: Trajectory, style: Style
 ) -> tuple[Axes, list[Artist]]:
+    """Draw heights, velocities, position and, beside a wall, the gap, over time."""
     has_wall = trajectory.wall is not None
     ratios = (*PANELS, 1.6) if has_wall else PANELS
     if has_wall:
@@ -343,6 +344,7 @@ def _orbit(wave: Wave) -> Array | None:
 
 
 def _draw_orbit(axes: Axes, orbit: Array, style: Style) -> None:
+    """Draw the path of the track in an inset, with an arrow for its sense."""
     inset = axes.inset_axes((0.80, 0.60, 0.19, 0.30), facecolor=style.ground, zorder=5)
     inset.plot(*orbit, color=style.other, linewidth=style.width(1.4))
     inset.plot(*orbit[:, :1], color=style.other, marker="o", markersize=style.width(3.5))
@@ -376,6 +378,7 @@ def _look(mode: str, style: Style) -> tuple[str, RGB]:
 
 
 def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
+    """Shade the times of each mode of contact, and mark the periods of the drive."""
     for mode, start, stop in mode_intervals(shown.modes, shown.time):
         hatch, colour = _look(mode, style)
         area = axes.axvspan(start, stop, facecolor=colour, linewidth=0, zorder=0)

@@ -385,6 +385,7 @@ def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
 
 @lru_cache(maxsize=64)
 def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool, part: MeshPart) -> Scene:
+    """Return the scene with the devices and the drop test of a study."""
     devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
         devices.setdefault(int(place), []).append(number)

@@ -89,6 +89,7 @@ def restitution_of_damping(*, contact_damping_ratio: Array) -> Array:
     exp(-(pi - 2 a) tan(a)) with sin(a) = zeta, the damping ratio [1]; beyond zeta = 1 the same with
     hyperbolic functions, exp(-2 zeta acosh(zeta)/sqrt(zeta^2 - 1)).
     """
+    # With pi - 2 a = 2 acos(zeta) and tan(a) = zeta/sqrt(1 - zeta^2).
     zeta = contact_damping_ratio
     return np.exp(-2 * zeta * _arc(zeta))
 

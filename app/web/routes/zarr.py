@@ -66,6 +66,7 @@ async def get_zarr(
 
 
 def _key_reply(request: Request, views: ZarrViews, key: str, path: str) -> Response:
+    """Return the reply for a key of the Zarr group of a sweep."""
     view = views.view(key)
     missing = NotFoundError(
         f"This sweep has no Zarr key '{path[:80]}'. Open the address that ends in /zarr with a "
