@@ -78,11 +78,11 @@ def configure(stream: TextIO | None = None) -> None:
 
 
 def _merge_request(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:
-    """Return a log line's fields with those of the current request added; the line's own go first."""
+    """Return the fields of a log line with those of the current request; its own go first."""
     return {**(_request.get() or {}), **event}
 
 
 def _drop_colours(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:
-    """Remove uvicorn's coloured copy of the message from the fields of a log line, and return them."""
-    event.pop("color_message", None)  # uvicorn's second copy of the message, for terminals
+    """Return the fields of a log line without uvicorn's coloured copy of the message."""
+    event.pop("color_message", None)
     return event

@@ -291,8 +291,9 @@ def _motions(prepared: Prepared, watch: Watch) -> Report:
             seconds[row, column] = min(run.seconds for run in runs)
     sizes = np.array([in_group.sum() for in_group in groups.values()], dtype=np.int32)
     names = tuple(f"{tolerance:.0e}" for tolerance in TOLERANCES)
-    notes = {"witness": _witness_note(motions)}
-    return Report(tuple(groups), names, error, largest, seconds, sizes, notes)
+    return Report(
+        tuple(groups), names, error, largest, seconds, sizes, {"witness": _witness_note(motions)}
+    )
 
 
 def _witness_note(motions: _Witnessed) -> str:

@@ -106,7 +106,7 @@ class Running:
                 remaining.remove(path)
                 continue
             if is_stored_in_blocks(prepared, target):
-                remaining.remove(path)
+                remaining.remove(path)  # if it is stopped, its own message says how to go on
                 whole, is_verified, facts = run_large(
                     path,
                     prepared,

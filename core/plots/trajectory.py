@@ -301,11 +301,9 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
         text = number(shown.factor * float(mean), 4)
         friction_range = known_between(Table.of_xarray(dataset).coordinates)
         if friction_range:
-            ends = [dataset[f"{mean.name}_{end}"] for end in ENDS]
-            mean_and_ends = [shown.factor * float(value) for value in (mean, *ends)]
-            text, *band = (
-                rounded(value, mean_and_ends[2] - mean_and_ends[1]) for value in mean_and_ends
-            )
+            low, high = (shown.factor * float(dataset[f"{mean.name}_{end}"]) for end in ENDS)
+            values = (shown.factor * float(mean), low, high)
+            text, *band = (rounded(value, high - low) for value in values)
             friction_range = f", {' to '.join(band)} for {friction_range}"
         fact = f"mean velocity {with_unit(text, shown.unit)}{friction_range}"
         facts.append(fact.replace("-", "\N{MINUS SIGN}"))
