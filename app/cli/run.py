@@ -224,7 +224,8 @@ def cluster(
     problems = {}
     for path, prepared in studies.items():
         is_reduced = getattr(prepared.study, "reduce", None) is not None
-        if not is_reduced and not (prepared.not_lazy is None and is_zarr(targets[path])):
+        is_in_blocks = prepared.not_lazy is None and is_zarr(targets[path])
+        if not (is_reduced or is_in_blocks):
             message = "a cluster computes sweeps and simulations to Zarr, and studies with [reduce]"
             fix = "Write to Zarr (-o result.zarr), or leave out --scheduler"
             problems[path] = [Problem("--scheduler", message, fix)]

@@ -197,11 +197,12 @@ def draw_lane(
     slow = slow or nice_number(PERIOD_SHOWN * float(dataset["frequency"]))
     times = 1000.0 * row.times / row.time.factor
     moments = np.linspace(times[0], times[-1], frames_in(np.ptp(times) / 1000.0 * slow))
-    nearest = np.searchsorted(times, moments, side="right") - 1
+    time_indices = np.searchsorted(times, moments, side="right") - 1
     displacement = np.zeros(moments.size)
     notes = ["seen from above, breadth not to scale"]
     amplitude = amplitude_of(dataset)
     if amplitude is not None and "beta" in dataset.coords:
+        # The track moves along by A cos(beta) sin(w t), and the parts with it.
         along = amplitude * np.cos(np.deg2rad(float(dataset["beta"])))
         phase = TURN * float(dataset["frequency"]) * moments / 1000.0
         displacement = row.along.factor * along * np.sin(phase)
@@ -215,8 +216,8 @@ def draw_lane(
     left, right = centres.min() - row.length, centres.max() + row.length
     view.set(xlim=(left, right), ylim=(0.0, 1.0), yticks=[], xlabel=f"Position ({row.along.unit})")
     pale = mix(style.ground, style.curve, PALE)
-    for contact, touch in enumerate(row.closed, start=1):
-        strip.fill_between(times, contact - 0.4, contact + 0.4, where=touch, color=pale)
+    for contact, touches in enumerate(row.closed, start=1):
+        strip.fill_between(times, contact - 0.4, contact + 0.4, where=touches, color=pale)
     strip.set(xlim=(times[0], times[-1]), ylim=(0.4, len(row.closed) + 0.6))
     pairs = [f"{n}\N{EN DASH}{n + 1}" for n in range(1, len(centres))]
     strip.set_yticks(range(1, len(centres)), pairs, fontsize=style.text(8))
@@ -229,6 +230,7 @@ def draw_lane(
     figure.canvas.draw()  # lays out what stands still
     figure.set_layout_engine("none")
 
+    # Marks of the track, also where it comes into view.
     marks = np.linspace(left - displacement.max(), right - displacement.min(), ROW_MARKS)
     (track,) = view.plot([], [], color=style.other, linewidth=1.0, animated=True)
     parts = [
@@ -246,14 +248,14 @@ def draw_lane(
             [marks + displacement[frame]] * 2 + [np.full(ROW_MARKS, np.nan)], axis=1
         ).ravel()
         track.set_data(x, np.tile([0.0, 1.0, np.nan], ROW_MARKS))
-        closed = row.closed[:, nearest[frame]]
+        closed = row.closed[:, time_indices[frame]]
         touches_neighbour = np.r_[False, closed] | np.r_[closed, False]
         for part, centre, touches in zip(parts, centres[:, frame], touches_neighbour, strict=True):
             part.set_x(centre - row.length / 2)
             part.set_facecolor(pale if touches else style.ground)
         clock.set_data([moments[frame]] * 2, [0.0, len(row.closed) + 1.0])
-        shown = with_unit(f"{moments[frame]:.1f}", "ms")
-        caption.set_text(f"{shown}: {int(closed.sum())} of {closed.size} contacts closed")
+        time_text = with_unit(f"{moments[frame]:.1f}", "ms")
+        caption.set_text(f"{time_text}: {int(closed.sum())} of {closed.size} contacts closed")
 
     artists = [(view, artist) for artist in (track, *parts)] + [
         (strip, artist) for artist in (clock, caption)

@@ -264,6 +264,7 @@ def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) ->
     if not repeats or round(periods) < 1 or abs(periods - round(periods)) > CLOSED:
         return 1
     travel = abs(float(dataset["position_along"][-1] - dataset["position_along"][0]))
+    # So often that the part travels some of its lengths.
     cycles = TRAVEL * length / travel if travel > 0 else 2.0
     return int(np.clip(round(min(cycles, MAX_CYCLES)), 1, max(1, MAX_CYCLES // round(periods))))
 

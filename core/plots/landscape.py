@@ -390,11 +390,11 @@ def _draw_front(dataset: xarray.Dataset, prepared: Optimisation, options: Option
             "Draw the result of a study with criterion kind 'pareto'",
         )
     units, style = options.units, options.style
-    named = [name for name in options.at if name in dataset.dims]
-    positions = fixed_positions(dataset, options.at, named, (FRONT,), nearest=options.nearest)
-    held_dataset = dataset.isel(positions)
-    others = tuple(str(name) for name in held_dataset["optimum_status"].dims if name != FRONT)
-    fronts = Fronts(held_dataset.drop_vars(positions), criterion, others, style, units)
+    ranged = [name for name in options.at if name in dataset.dims]
+    positions = fixed_positions(dataset, options.at, ranged, (FRONT,), nearest=options.nearest)
+    at_held = dataset.isel(positions)
+    others = tuple(str(name) for name in at_held["optimum_status"].dims if name != FRONT)
+    fronts = Fronts(at_held.drop_vars(positions), criterion, others, style, units)
     designs = (
         fronts.dataset.stack(design=others) if others else fronts.dataset.expand_dims("design")
     )
@@ -452,8 +452,10 @@ def _draw_fronts(
         axes.plot(across, up, color=colour, lw=style.width(1.8))
         knee = np.flatnonzero(front["knee"].values)
         axes.plot(across[knee], up[knee], ls="", color=colour, zorder=5, **dot)
-        named = fronts.name(front, fronts.others)
-        entries.append(Line2D([], [], color=colour, lw=style.width(1.8), label=named or "front"))
+        design_name = fronts.name(front, fronts.others)
+        entries.append(
+            Line2D([], [], color=colour, lw=style.width(1.8), label=design_name or "front")
+        )
     knee_label = "knee: where the front bends most"
     if has_one_point.size and has_one_point.all():
         front = designs.isel(design=0, front=0)

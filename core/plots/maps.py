@@ -256,9 +256,12 @@ def share_entries(
 
 
 def _cells_at(axis: PlotAxis, edges: Array, count: int) -> NDArray[np.intp]:
-    drawn = np.log(edges) if axis.is_log else edges
-    points = drawn[0] + (np.arange(count) + 0.5) / count * (drawn[-1] - drawn[0])
-    return np.searchsorted(drawn[1:-1], points)
+    """Return the cell at each of evenly spaced points of an axis as it is drawn."""
+    edges_as_drawn = np.log(edges) if axis.is_log else edges
+    points = edges_as_drawn[0] + (np.arange(count) + 0.5) / count * (
+        edges_as_drawn[-1] - edges_as_drawn[0]
+    )
+    return np.searchsorted(edges_as_drawn[1:-1], points)
 
 
 def _add_names(
@@ -280,18 +283,18 @@ def _add_names(
             _cells_at(across, cell_edges(across), RASTER[0]),
         )
     ]
-    text = style.text(TEXT_SIZE)
+    font_size = style.text(TEXT_SIZE)
     # In a small frame a text takes a larger share.
     zoom = SMALL / NARROW if style.small else 1.0
     for look in looks:
         bounds = TextPath((0, 0), words(look.name), size=TEXT_SIZE * zoom).get_extents()
         size = (bounds.width, max(bounds.height, TEXT_SIZE * zoom))
         for (width, height), rotation in ((size, 0), (size[::-1], 90)):
-            place = _place_for(raster == look.value, width, height)
-            if place is not None:
+            position = _place_for(raster == look.value, width, height)
+            if position is not None:
                 name = axes.text(
-                    *place, words(look.name), transform=axes.transAxes, ha="center", va="center",
-                    rotation=rotation, fontsize=text, zorder=9,
+                    *position, words(look.name), transform=axes.transAxes, ha="center", va="center",
+                    rotation=rotation, fontsize=font_size, zorder=9,
                     color=ON_FILL if on_fill else style.ink,
                 )  # fmt: skip
                 name.set_gid(GIVES_WAY)

@@ -53,22 +53,26 @@ def finish(
     """
     style.dress(figure)
     _add_legend(figure, entries, note, style)
-    heading = _add_name(figure, name, style)
+    heading = _add_title(figure, name, style)
     # Where the axes begin is known only after a layout, with a text of as many lines.
     top.set_title("\n" if source and facts else " ", loc="left", fontsize=style.text(FACTS),
                   linespacing=1.4, color=style.quiet)  # fmt: skip
     figure.draw_without_rendering()
-    start, end = top.get_window_extent().intervalx
+    left, right = top.get_window_extent().intervalx
+    # Their width reaches to a legend on the right, else to the margin.
     legends = [legend.get_window_extent() for legend in figure.legends]
-    legend_starts = [box.x0 - MARGIN * figure.bbox.width for box in legends if box.x0 > end]
-    room = min([(1 - MARGIN) * figure.bbox.width, *legend_starts]) - start
+    legend_starts = [box.x0 - MARGIN * figure.bbox.width for box in legends if box.x0 > right]
+    width = min([(1 - MARGIN) * figure.bbox.width, *legend_starts]) - left
     size = style.text(FACTS)
-    lines = [*_wrapped(figure, facts, room, size), _longest(figure, _cut(source), room, size)]
+    lines = [
+        *_wrap(figure, facts, width, size),
+        _first_that_fits(figure, _shortenings(source), width, size),
+    ]
     title = top.set_title("\n".join(filter(None, lines)), loc="left", fontsize=size,
                           linespacing=1.4, color=style.quiet)  # fmt: skip
-    start = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
-    if start + heading.get_window_extent().width < (1 - MARGIN) * figure.bbox.width:
-        heading.set_x(start / figure.bbox.width)
+    left = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
+    if left + heading.get_window_extent().width < (1 - MARGIN) * figure.bbox.width:
+        heading.set_x(left / figure.bbox.width)
     _leave_out_what_meets(figure)
     return figure
 
@@ -91,14 +95,13 @@ def _text_width(figure: Figure, text: str, size: float, weight: str = "normal") 
     return float(width)
 
 
-def _longest(
+def _first_that_fits(
     figure: Figure, texts: Iterable[str], width: float, size: float, weight: str = "normal"
 ) -> str:
-    """Return the first of some texts, the longest first, that fits a width; empty if none does."""
     return next((text for text in texts if _text_width(figure, text, size, weight) <= width), "")
 
 
-def _wrapped(figure: Figure, facts: Sequence[str], width: float, size: float) -> list[str]:
+def _wrap(figure: Figure, facts: Sequence[str], width: float, size: float) -> list[str]:
     """Return facts, joined by dots, as lines that fit a width."""
     lines: list[str] = []
     for fact in facts:
@@ -110,13 +113,14 @@ def _wrapped(figure: Figure, facts: Sequence[str], width: float, size: float) ->
     return lines
 
 
-def _cut(text: str) -> Iterator[str]:
+def _shortenings(text: str) -> Iterator[str]:
+    """Yield a text, and the text without its last word, its last two words, and so on."""
     yield text
     for cut in range(text.count(" "), 0, -1):
         yield " ".join(text.split(" ")[:cut]).rstrip(" ,(") + " …"
 
 
-def _add_name(figure: Figure, name: str, style: Style) -> Text:
+def _add_title(figure: Figure, name: str, style: Style) -> Text:
     """Write the title on one line, or two, the second cut if it is too long."""
     size, width = style.text(13.0), (1 - 2 * MARGIN) * figure.bbox.width
     words, count = name.split(), 1
@@ -125,10 +129,10 @@ def _add_name(figure: Figure, name: str, style: Style) -> Text:
         and _text_width(figure, " ".join(words[: count + 1]), size, "bold") <= width
     ):
         count += 1
-    rest = _longest(figure, _cut(" ".join(words[count:])), width, size, "bold")
-    shown = "\n".join(filter(None, [" ".join(words[:count]), rest]))
+    rest = _first_that_fits(figure, _shortenings(" ".join(words[count:])), width, size, "bold")
+    title = "\n".join(filter(None, [" ".join(words[:count]), rest]))
     return figure.suptitle(
-        shown, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink
+        title, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink
     )
 
 
@@ -151,7 +155,7 @@ def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Sty
         handleheight=1.4,
         columnspacing=1.4,
         labelcolor=style.ink,
-        title=_longest(figure, _cut(note), width, size) or None,
+        title=_first_that_fits(figure, _shortenings(note), width, size) or None,
         title_fontsize=size,
         alignment="left",
     )
@@ -273,10 +277,10 @@ def cell_edges(axis: PlotAxis) -> Array:
 
     They lie halfway between two points, as the axis is drawn, and at both ends.
     """
-    drawn = np.log(axis.values) if axis.is_log else axis.values
-    between = (drawn[:-1] + drawn[1:]) / 2
-    middle = np.exp(between) if axis.is_log else between
-    return np.concatenate([axis.values[:1], middle, axis.values[-1:]])
+    points = np.log(axis.values) if axis.is_log else axis.values
+    borders = (points[:-1] + points[1:]) / 2
+    inner = np.exp(borders) if axis.is_log else borders
+    return np.concatenate([axis.values[:1], inner, axis.values[-1:]])
 
 
 def limit_to_cells(axes: Axes, across: PlotAxis, up: PlotAxis) -> None:

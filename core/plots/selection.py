@@ -173,21 +173,21 @@ def select(
 
 def _band(
     dataset: xarray.Dataset,
-    whole: xarray.DataArray,
-    part: Callable[[xarray.DataArray], xarray.DataArray],
+    output: xarray.DataArray,
+    take: Callable[[xarray.DataArray], xarray.DataArray],
     factor: float,
 ) -> dict[str, Any]:
     """Return the fields of a `Selection` on its band: over friction, or of a spread."""
-    spread, ends = dataset.get(f"{whole.name}_spread"), [f"{whole.name}_{end}" for end in ENDS]
+    spread, ends = dataset.get(f"{output.name}_spread"), [f"{output.name}_{end}" for end in ENDS]
     if all(end in dataset for end in ends):
         friction_range = known_between(Table.of_xarray(dataset).coordinates)
-        band = tuple(scaled(part(dataset[end]), factor) for end in ends)
-        signs = part(dataset[UNSETTLED].broadcast_like(dataset[ends[0]])).values
+        band = tuple(scaled(take(dataset[end]), factor) for end in ends)
+        signs = take(dataset[UNSETTLED].broadcast_like(dataset[ends[0]])).values
         unsettled = signs == SIGNS["unsettled"].value
         return {"band": band, "band_label": f"for {friction_range}", "unsettled": unsettled}
     if spread is None:
         return {}
-    values, width = (scaled(array, factor) for array in (whole, part(spread)))
+    values, width = (scaled(array, factor) for array in (output, take(spread)))
     width = np.nan_to_num(width, posinf=0.0)
     if not width.any():
         return {}

@@ -349,14 +349,14 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
     figure = style.sheet(*SIDE[count])
     panels = figure.subplots(count, count, squeeze=False, sharex="col")
     shown = {name: shown_in(dataset[name], units) for name in names}
-    for j, below in enumerate(names):
-        for k, across in enumerate(names):
-            panel = panels[j, k]
-            if k > j:
+    for row, below in enumerate(names):
+        for column, across in enumerate(names):
+            panel = panels[row, column]
+            if column > row:
                 panel.set_visible(False)
                 continue
             x = scaled(dataset[across], shown[across].factor)
-            if j == k:
+            if row == column:
                 _draw_marginal(panel, dataset, across, x, shown[across].factor, style)
             else:
                 y = scaled(dataset[below], shown[below].factor)
@@ -367,7 +367,7 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
                 )
                 look = {"color": style.ink, "ms": style.width(9), "mew": style.width(1.4)}
                 panel.plot(*modes, "+", zorder=4, **look)
-                if k == 0:
+                if column == 0:
                     panel.set_ylabel(axis_label(dataset[below], shown[below].unit))
                 else:
                     panel.tick_params(labelleft=False)
@@ -375,7 +375,7 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
             panel.xaxis.set_major_locator(MaxNLocator(5))
             if count == 1:
                 panel.set_ylabel("Density")
-            if j == count - 1:
+            if row == count - 1:
                 panel.set_xlabel(axis_label(dataset[across], shown[across].unit))
     entries: list[Artist] = [
         Patch(color=mix(style.ground, style.curve, depth), label=f"{100 * share:.0f} %")

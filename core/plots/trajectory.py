@@ -392,7 +392,7 @@ def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
 
 def _mode_entries(modes: list[str], style: Style) -> list[Artist]:
     entries: list[Artist] = []
-    for name in dict.fromkeys((*MODES, "flight", *modes)):
+    for name in dict.fromkeys((*MODES, "flight", *modes)):  # known modes first, each once
         if name in modes:
             hatch, colour = _look(name, style)
             patch = Patch(
