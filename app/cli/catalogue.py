@@ -22,7 +22,10 @@ def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
     """
     rows = []
     for line in lines:
-        names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
+        names = (
+            f"{variant}*" if variant == line["default_variant"] else variant
+            for variant in line["variants"]
+        )
         rows.append((line["name"], ", ".join(names), ", ".join(line["methods"]), line["title"]))
     table(SCENES, rows)
     say("  * default; `vibrafeed scenes NAME` says more, with --method about its motion in time")

@@ -176,6 +176,7 @@ def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]
 
 
 def _size_of(prepared: Prepared) -> Size:
+    # A table has a row per point of all dimensions together; a file has each output over its own.
     kept = {dim for dims in prepared.dims.values() for dim in dims}
     cells = {
         name: math.prod(prepared.sizes[dim] for dim in dims) for name, dims in prepared.dims.items()

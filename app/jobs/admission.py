@@ -139,7 +139,7 @@ class Admission:
         self._quota.measure_if_short(job.key, task.bytes)
         with self.ledger.transaction():
             if self.store.manifest(job.key) is None:
-                if not self.store.used(job.key):  # it has just been removed for another
+                if not self.store.last_use(job.key):  # it has just been removed for another
                     return False
                 self._quota.make_room(job.key, task.bytes)
                 self.ledger.reenter(task)
@@ -171,9 +171,9 @@ class Admission:
             If the data directory is full.
         """
         needed = len(text)
-        is_stored = self.store.used(key) > 0
+        is_stored = self.store.last_use(key) > 0
         if is_stored and self.ownership.of(api_key.name, key) is not None:
-            self.ownership.readable(api_key.name, key)
+            self.ownership.readable(api_key.name, key)  # notes the use
             return self.store.put(key, text)
         self._quota.measure_if_short(key, needed, api_key)
         with self.ledger.transaction():
@@ -332,11 +332,11 @@ class Admission:
             with self.ledger.transaction():
                 if key not in self.ledger.promised():
                     self.store.drop_blocks(key)
-                    if self.store.used(key) < before:
+                    if self.store.last_use(key) < before:
                         self._quota.remove(key)
         for key in self.ownership.studies() - set(self.store.studies()):
             with self.ledger.transaction():
-                if not self.store.used(key):  # removed by hand, or by a server that was killed
+                if not self.store.last_use(key):  # removed by hand, or by a server that was killed
                     self.ownership.release(key)
         self._quota.measure()
 

@@ -133,7 +133,7 @@ class Database:
         """
         own = getattr(self._of_thread, "connection", None)
         if own is not None:
-            yield own
+            yield own  # this thread is in a transaction already
             return
         with self._lock, self._plain_errors(), self._engine().begin() as connection:
             for statement in BEGIN[self.kind]:

@@ -148,10 +148,10 @@ class Studies:
         with contextlib.suppress(FileNotFoundError):
             for folder in self.directory.iterdir():
                 if IDENTIFIER.fullmatch(folder.name):
-                    uses.append((self.used(folder.name), folder.name))
+                    uses.append((self.last_use(folder.name), folder.name))
         return [key for _, key in sorted(uses)]
 
-    def used(self, key: str) -> float:
+    def last_use(self, key: str) -> float:
         """Return the time of a study's last use [s since the epoch], to an hour; 0 if it is gone.
 
         `key` is the study's identifier.

@@ -29,7 +29,7 @@ class ZarrViews:
         NotFoundError
             If there is no such sweep.
         """
-        if not self._store.used(key):  # it may have been removed since it was last read
+        if not self._store.last_use(key):  # it may have been removed since it was last read
             self._store.sweep(key)
         self._store.note_use(key)
         return self._kept_view(key)

@@ -430,16 +430,16 @@ def _draw_fall(
     )
     length = shown_in(xarray.DataArray(outlines, attrs={"units": "m"}), units)
     clock, angle = shown_in(dataset[TIME], units), shown_in(dataset["path_pitch"], units)
-    part = slice(0, _end_of_fall(outlines, pitch, float(np.hypot(*corners[0]))))
-    time, gap = (clock.factor * dataset[TIME].values)[part], length.factor * gap[part]
-    pitch = angle.factor * pitch[part]
-    touches = (dataset["path_corners"].values[part] > 0).tolist()
+    until_rest = slice(0, _end_of_fall(outlines, pitch, float(np.hypot(*corners[0]))))
+    time, gap = (clock.factor * dataset[TIME].values)[until_rest], length.factor * gap[until_rest]
+    pitch = angle.factor * pitch[until_rest]
+    touches = (dataset["path_corners"].values[until_rest] > 0).tolist()
 
     side, gaps, pitches = figure.subplots(3, 1, height_ratios=(2.6, 1.2, 1.2))
     gaps.sharex(pitches)
     gaps.tick_params(labelbottom=False)
-    path = length.factor * np.stack([along, upward])[:, part]
-    _draw_side(side, length.factor * outlines[part], path, length.unit, style)
+    path = length.factor * np.stack([along, upward])[:, until_rest]
+    _draw_side(side, length.factor * outlines[until_rest], path, length.unit, style)
     curve = {"color": style.curve, "linewidth": style.width(1.8), "zorder": 4}
     gaps.plot(time, gap, **curve)
     gaps.set(ylim=padded(0.0, float(gap.max())), ylabel=f"Lowest corner\n({length.unit})")

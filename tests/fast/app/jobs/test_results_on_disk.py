@@ -401,7 +401,7 @@ class TestDesk:
         for use in uses:
             os.utime(store.folder(key) / "study.json", (long_ago, long_ago))
             use()
-            assert store.used(key) > 2 * 365 * 86_400 + long_ago
+            assert store.last_use(key) > 2 * 365 * 86_400 + long_ago
 
     def test_tidying_removes_what_late_workers_and_killed_writers_left(self, admission, store):
         done, half = carried_out(store, SWEEP), added(store, SIMULATION)
