@@ -109,6 +109,7 @@ class Entry:
         if len(names) != 1 or not all(key is not None and key.in_force(now) for key in keys):
             name = next((key.name for key in keys if key is not None), "")
             return await self._refuse_key(str((scope.get("client") or ("",))[0]), name)
+        # All are one key: a name has only one key in force.
         (key,) = {key.hash: key for key in keys if key is not None}.values()
         logs.bind(key=key.name)
         scope.setdefault("state", {})["key"] = key

@@ -303,7 +303,7 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
     return name
 
 
-def _axes(array: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
+def _axes(array: xarray.DataArray, names: tuple[str, ...] | None, max_axes: int) -> tuple[str, ...]:
     """Return the dimensions to draw over, by default the longest."""
     ranged = [str(dim) for dim in array.dims if array.sizes[dim] > 1]
     if not ranged:
@@ -313,7 +313,7 @@ def _axes(array: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
             "Choose an output that depends on a ranged parameter",
         )
     if names is None:
-        longest = sorted(ranged, key=lambda name: -array.sizes[name])[:most]
+        longest = sorted(ranged, key=lambda name: -array.sizes[name])[:max_axes]
         return tuple(name for name in ranged if name in longest)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
         raise PlotError(

@@ -92,12 +92,12 @@ class UncertainOutput(NamedTuple):
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True if a kind of picture is the one to draw by default: the first that has values."""
+    """True if the kind in `options` is the default: the first whose variables the dataset has."""
     if options.kind == "posterior":
         return True
-    parts = {str(name) for name in dataset.data_vars}
+    variables = {str(name) for name in dataset.data_vars}
     kinds = [
-        kind for kind, part in NEEDED.items() if any(name.endswith(f"_{part}") for name in parts)
+        kind for kind, end in NEEDED.items() if any(name.endswith(f"_{end}") for name in variables)
     ]
     if options.asks or options.kind not in kinds[:1]:
         return False
