@@ -31,7 +31,7 @@ logger = logging.getLogger("vibrafeed.keys")
 Role = Literal["read", "run", "admin"]
 ROLES = get_args(Role)
 NAME = re.compile(r"[A-Za-z0-9._-]{1,40}")
-LOOK = 1.0  # s between looks at the ledger, in which keys may have been made or withdrawn
+CHECK_INTERVAL = 1.0  # s between looks at the ledger, in which keys may have been made or withdrawn
 DAY = 86_400.0  # s
 MAX_LIMIT = 10**18  # of a limit: what any database holds
 MAX_DAYS = 36_500  # days that a key may be in force: a hundred years
@@ -117,7 +117,7 @@ class Keys:
         self._database = database
         self._lock = threading.Lock()
         self._known: list[Key] | None = None  # None: never looked
-        self._looked = 0.0
+        self._read_at = 0.0
 
     def add(self, key: Key, days: float | None = None) -> tuple[str, Key]:
         """Store a new API key with the given properties; return its secret text and its record.
@@ -177,7 +177,7 @@ class Keys:
     @property
     def is_due(self) -> bool:
         """True if the keys have to be read from the ledger again."""
-        return self._known is None or time.monotonic() - self._looked > LOOK
+        return self._known is None or time.monotonic() - self._read_at > CHECK_INTERVAL
 
     @property
     def is_known(self) -> bool:
@@ -187,7 +187,7 @@ class Keys:
     @property
     def is_fresh(self) -> bool:
         """True if the keys were read from the ledger within the last moments."""
-        return self._known is not None and time.monotonic() - self._looked < 2 * LOOK
+        return self._known is not None and time.monotonic() - self._read_at < 2 * CHECK_INTERVAL
 
     def refresh(self) -> None:
         """Read the keys from the ledger, unless they were read within the last second.
@@ -203,7 +203,7 @@ class Keys:
                 if self._known is None:  # it may need keys
                     raise
                 logger.exception("keys cannot be read")
-            self._looked = time.monotonic()
+            self._read_at = time.monotonic()
 
     @property
     def are_needed(self) -> bool:

@@ -37,13 +37,13 @@ def foot_frequency(
 def _squared_roots(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
     # The roots w^2 of `natural_frequency`, the lower from the product of both, without
     # cancellation.
-    half = (k * (m1 + m2) + k_f * m1) / 2
+    half_sum = (k * (m1 + m2) + k_f * m1) / 2
     product = (m1 * m2) * (k * k_f)
-    # half^2 - product = (k (m1 + m2) - k_f m1)^2/4 + k k_f m1^2: never below 0.
-    apart = (k * (m1 + m2) - k_f * m1) / 2
-    root = hypot(apart, m1 * np.sqrt(k * k_f))
-    upper = (half + root) / (m1 * m2)
-    return upper, product / ((half + root) * (m1 * m2))
+    # half_sum^2 - product = (k (m1 + m2) - k_f m1)^2/4 + k k_f m1^2: never below 0.
+    half_difference = (k * (m1 + m2) - k_f * m1) / 2
+    root = hypot(half_difference, m1 * np.sqrt(k * k_f))
+    upper = (half_sum + root) / (m1 * m2)
+    return upper, product / ((half_sum + root) * (m1 * m2))
 
 
 def stroke_response(

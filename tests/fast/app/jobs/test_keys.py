@@ -60,14 +60,14 @@ def test_others_see_a_change_soon(database, monkeypatch):
     there.refresh()
     assert not there.are_needed
     made, _ = here.add(Key("lab", "run"))
-    clock[0] = 0.9 * keys.LOOK
+    clock[0] = 0.9 * keys.CHECK_INTERVAL
     assert not there.is_due
-    clock[0] = 1.1 * keys.LOOK
+    clock[0] = 1.1 * keys.CHECK_INTERVAL
     assert there.is_due
     there.refresh()
     assert there.of_hash(hash_of(made)).in_force(time.time())
     here.withdraw("lab")
-    clock[0] = 2.3 * keys.LOOK
+    clock[0] = 2.3 * keys.CHECK_INTERVAL
     there.refresh()
     assert not there.of_hash(hash_of(made)).in_force(time.time())
     assert there.are_needed, "withdrawing the last key has opened the service"
@@ -82,7 +82,7 @@ def test_what_was_known_stays_while_the_ledger_cannot_be_read(database, monkeypa
         raise OSError("gone")
 
     monkeypatch.setattr(found, "all", fails)
-    monkeypatch.setattr(found, "_looked", -100.0)
+    monkeypatch.setattr(found, "_read_at", -100.0)
     found.refresh()
     assert found.of_hash(hash_of(made)) is not None
     never = Keys(database)

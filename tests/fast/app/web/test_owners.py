@@ -65,7 +65,7 @@ class House:
 
     def read_keys(self) -> None:
         """Have keys read again, as they are a second later."""
-        self.keys._looked = -100.0
+        self.keys._read_at = -100.0
 
     def sweep(self, ask: Any, number: int = 1) -> str:
         """Return the identifier of a sweep that was posted."""
