@@ -323,7 +323,8 @@ async def _wait_for_job(request: Request, admission: Admission, job: Job, second
         pause = min(1.5 * pause, LONGEST_POLL)
         # The client is to learn of its job, though the ledger cannot be read.
         with contextlib.suppress(OSError, sqlite3.OperationalError):
-            job = await asyncio.to_thread(admission.ledger.job, job.id) or job
+            latest = await asyncio.to_thread(admission.ledger.job, job.id)
+            job = latest or job
     return job
 
 
