@@ -1,4 +1,4 @@
-"""Folders that the system sets aside for programs."""
+"""The folder that the system sets aside for the data of programs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,12 @@ import os
 import sys
 from pathlib import Path
 
-LOCAL = ("LOCALAPPDATA", "AppData/Local")  # Windows' folder for what stays on one computer
+# By platform: the variable that may name it, and where it is in the user's home otherwise.
+PLACES = {
+    "win32": ("LOCALAPPDATA", "AppData/Local"),  # what stays on one computer
+    "darwin": ("XDG_DATA_HOME", "Library/Application Support"),
+}
+OTHER_SYSTEMS = ("XDG_DATA_HOME", ".local/share")
 
 
 def data_folder() -> Path:
@@ -15,34 +20,11 @@ def data_folder() -> Path:
     That is `XDG_DATA_HOME`, or `~/.local/share`; `~/Library/Application Support` on macOS,
     `%LOCALAPPDATA%` on Windows, which other users cannot read.
     """
-    if sys.platform == "win32":
-        return _folder(*LOCAL) or Path("data")
-    usual = "Library/Application Support" if sys.platform == "darwin" else ".local/share"
-    return _folder("XDG_DATA_HOME", usual) or Path("data")
-
-
-def cache_folder() -> Path:
-    """Return the system's cache folder of this user; `.cache` if the user has no home.
-
-    That is `XDG_CACHE_HOME`, or `~/.cache`; `~/Library/Caches` on macOS, `Cache` in the data folder
-    on Windows.
-    """
-    if sys.platform == "win32":
-        return data_folder() / "Cache"
-    usual = "Library/Caches" if sys.platform == "darwin" else ".cache"
-    return _folder("XDG_CACHE_HOME", usual) or Path(".cache")
-
-
-def _folder(variable: str, usual: str) -> Path | None:
-    """Return the folder `vibrafeed` in a system folder; None if the user has no home folder.
-
-    `variable` is the environment variable that may name the system folder by an absolute path;
-    `usual` is that folder relative to the user's home where the variable is not set.
-    """
+    variable, default = PLACES.get(sys.platform, OTHER_SYSTEMS)
     base = Path(os.environ.get(variable, ""))
     if not base.is_absolute():  # the standard says that others are ignored
         try:
-            base = Path.home() / usual
+            base = Path.home() / default
         except RuntimeError:
-            return None
+            return Path("data")
     return base / "vibrafeed"

@@ -69,28 +69,20 @@ def configure(stream: TextIO | None = None) -> None:
     )
     root = logging.getLogger()
     root.handlers = [handler]
-    # Libraries tell of their doings at will, addresses among it; these two are known.
+    # What other libraries log may hold addresses; vibrafeed and uvicorn write none.
     root.setLevel(logging.WARNING)
     for name in ("vibrafeed", "uvicorn", "uvicorn.error"):
-        known = logging.getLogger(name)
-        known.handlers, known.propagate = [], True
-        known.setLevel(logging.INFO)
+        own_logger = logging.getLogger(name)
+        own_logger.handlers, own_logger.propagate = [], True
+        own_logger.setLevel(logging.INFO)
 
 
 def _merge_request(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:
-    """Return a log line's fields with those of the current request added; the line's own go first.
-
-    A processor of structlog: `event` holds the fields of the line; `logger` and `name` are not
-    used.
-    """
+    """Return the fields of a log line with those of the current request; its own go first."""
     return {**(_request.get() or {}), **event}
 
 
 def _drop_colours(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:
-    """Remove uvicorn's coloured copy of the message from the fields of a log line, and return them.
-
-    A processor of structlog: `event` holds the fields of the line; `logger` and `name` are not
-    used.
-    """
-    event.pop("color_message", None)  # uvicorn's second copy of the message, for terminals
+    """Return the fields of a log line without uvicorn's coloured copy of the message."""
+    event.pop("color_message", None)
     return event

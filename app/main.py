@@ -68,7 +68,7 @@ def create_app(settings: Settings) -> FastAPI:
     process_pool = ProcessPool(settings.workers, (calculations.__name__, work.__name__))
     workers = Cluster(settings.scheduler) if settings.scheduler else process_pool
     runner = Runner(ledger, store, workers, settings)
-    admission = Admission(ledger, store, settings, runner.wake, runner.waits)
+    admission = Admission(ledger, store, settings, runner.wake, runner.waiting_reason)
     writer = Writer(store, admission.make_room, settings, process_pool)
     warmth = Warmth()
 
@@ -81,19 +81,19 @@ def create_app(settings: Settings) -> FastAPI:
         """
         current_default_thread_limiter().total_tokens = THREADS
         app.state.large_slices = CapacityLimiter(os.cpu_count() or 1)
-        if (lacking := traces.fault()) is not None:
-            logger.warning(lacking)
+        if (traces_fault := traces.fault()) is not None:
+            logger.warning(traces_fault)
         process_pool.open()
         await runner.start()
         stopping = asyncio.Event()
         tidying = asyncio.create_task(_tidy(admission, stopping))
-        beside = [asyncio.create_task(app.state.metrics.watch_loop())]
+        background = [asyncio.create_task(app.state.metrics.watch_loop())]
         if settings.warm_at_start:
-            beside.append(asyncio.create_task(warmth.compile()))
-            beside.append(asyncio.create_task(process_pool.start()))
+            background.append(asyncio.create_task(warmth.compile()))
+            background.append(asyncio.create_task(process_pool.start()))
         yield
         await runner.stop()  # first of all: others may go on with the work
-        for task in beside:
+        for task in background:
             task.cancel()
         stopping.set()
         await tidying
@@ -118,7 +118,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.admission = admission
     app.state.keys = keys
     app.state.large_shares = FairQueue(max(2, CORES))
-    app.state.lists = FairQueue(CORES + 1, of_owner=1)
+    app.state.lists = FairQueue(CORES + 1, max_of_owner=1)
     app.state.process_pool = process_pool
     app.state.one_document = CapacityLimiter(1)
     app.state.views = ZarrViews(store)
@@ -128,10 +128,10 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.readiness = [("jobs", runner.fault), ("ledger", ledger.fault)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
     watch_jobs(app.state.metrics, admission, workers.alive, settings)
-    runner.witnesses.append(app.state.metrics)
+    runner.observers.append(app.state.metrics)
     spans = traces.configured()
     if spans is not None:
-        runner.witnesses.append(spans)
+        runner.observers.append(spans)
         admission.posted = spans.posted
     problems.install(app)
     studies = (scenes, figures, friction, convert, sweeps)

@@ -25,7 +25,7 @@ from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plots import drawing
 from vibrafeed.core.plots.pictures import PlotError
 
-LOOK = 0.5  # s between looks at a job that an agent waits for
+POLL = 0.5  # s between looks at a job that an agent waits for
 INSTRUCTIONS = """Compute how parts move on vibratory feeder tracks.
 
 Find a scene with `scenes`, write a study, try it with `check`, then `run` it if it is small, or
@@ -81,8 +81,8 @@ def tools_for(service: httpx2.AsyncClient) -> MCPServer:
         ] = "",
     ) -> str:
         """List the scenes, or describe one: parameters, outputs, units, equations, validity."""
-        asked = {"method": method} if method else {}
-        return (await _reply(service, "GET", f"/scenes/{name}".rstrip("/"), params=asked)).text
+        parameters = {"method": method} if method else {}
+        return (await _reply(service, "GET", f"/scenes/{name}".rstrip("/"), params=parameters)).text
 
     @server.tool(structured_output=False)
     async def check(study: Study) -> str:
@@ -114,21 +114,22 @@ def tools_for(service: httpx2.AsyncClient) -> MCPServer:
 
         The status of the job comes in its place while the job runs.
         """
-        until = time.monotonic() + wait
+        deadline = time.monotonic() + wait
         while True:
             status = (await _reply(service, "GET", f"/jobs/{job}")).json()
-            if status["status"] not in ACTIVE or time.monotonic() >= until:
+            if status["status"] not in ACTIVE or time.monotonic() >= deadline:
                 break
-            await asyncio.sleep(LOOK)
+            await asyncio.sleep(POLL)
         if status["status"] in ACTIVE:
             return [status]
         file = await _reply(service, "GET", f"/jobs/{job}/results/dataset?format=netcdf")
-        return await asyncio.to_thread(_shown, file.content, output, kind)
+        return await asyncio.to_thread(_summarise, file.content, output, kind)
 
     return server
 
 
-def _shown(content: bytes, output: str, kind: str) -> list[Any]:
+def _summarise(content: bytes, output: str, kind: str) -> list[Any]:
+    """Return unit, dimensions and range of each variable of a result, and a picture."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "result.nc"
         file.write_bytes(content)
@@ -160,14 +161,16 @@ async def _execute(service: httpx2.AsyncClient, study: dict[str, Any], **headers
 
 
 async def _reply(
-    service: httpx2.AsyncClient, method: str, path: str, **about: Any
+    service: httpx2.AsyncClient, method: str, path: str, **options: Any
 ) -> httpx2.Response:
-    reply = await service.request(method, path, **about)
+    """Return a reply of the service; raise `ToolError` with its problems."""
+    reply = await service.request(method, path, **options)
     if reply.is_success:
         return reply
     problem = reply.json()
     lines = [f"{problem['title']}. {problem['detail']}"]
     lines += [
-        f"{one['place']}: {one['message']}. {one['fix']}." for one in problem.get("errors", ())
+        f"{error['place']}: {error['message']}. {error['fix']}."
+        for error in problem.get("errors", ())
     ]
     raise ToolError("\n".join(lines))

@@ -43,7 +43,7 @@ FORMER = {
 _ORIGIN = re.compile(r"https?://([a-z0-9.-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
 
 
-def _listed(raw: object) -> object:
+def _split_words(raw: object) -> object:
     """Split the text of a setting into entries: a JSON list, or words separated by commas.
 
     What is not a text is returned unchanged; pydantic checks the result. Raises `ValueError` if a
@@ -69,12 +69,11 @@ def url_fault(url: str) -> str | None:
     None if it is valid. No part is shown because it may be a password. A PostgreSQL URL is a fault,
     too, if its driver psycopg is not installed.
     """
-    kind, _, rest = url.partition("://")
-    if kind == "sqlite":
-        return (
-            None if len(rest) > 1 and rest.startswith("/") else "sqlite:/// needs a file after it"
-        )
-    if kind != "postgresql":
+    scheme, _, path = url.partition("://")
+    if scheme == "sqlite":
+        has_file = len(path) > 1 and path.startswith("/")
+        return None if has_file else "sqlite:/// needs a file after it"
+    if scheme != "postgresql":
         return "it begins neither with postgresql:// nor with sqlite:///"
     form = "it is not like postgresql://db.example:5432/jobs, with user:password@ before the host"
     try:
@@ -89,7 +88,7 @@ def url_fault(url: str) -> str | None:
     return None
 
 
-Words = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_listed)]
+Words = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_split_words)]
 
 
 class Settings(BaseSettings):
@@ -282,9 +281,9 @@ class Settings(BaseSettings):
         """
         # No part of it is echoed: what is wrong may be a password in the wrong place.
         if url is not None:
-            why = url_fault(url.get_secret_value())
-            if why is not None:
-                raise ValueError(why)
+            fault = url_fault(url.get_secret_value())
+            if fault is not None:
+                raise ValueError(fault)
         return url
 
     @field_validator("scheduler")
@@ -324,13 +323,13 @@ def unknown_variables(names: Iterable[str]) -> list[Problem]:
     be settings, or switches of the tests; a problem says what replaces a former setting,
     or suggests the nearest name.
     """
-    known = [PREFIX + name.upper() for name in Settings.model_fields]
+    settings = [PREFIX + name.upper() for name in Settings.model_fields]
     return [
         Problem(
             name,
             "no setting of vibrafeed is read from an environment variable of this name",
-            FORMER.get(name.upper()) or suggestion(name.upper(), known),
+            FORMER.get(name.upper()) or suggestion(name.upper(), settings),
         )
         for name in sorted(names)
-        if name.upper().startswith(PREFIX) and name.upper() not in (*known, *TEST_SWITCHES)
+        if name.upper().startswith(PREFIX) and name.upper() not in (*settings, *TEST_SWITCHES)
     ]

@@ -106,10 +106,13 @@ class Traces:
         The item is a study being computed, whose claim (`item.owner`) the span is kept under until
         `ended`. Return the trace's identifier as a field for the item's log lines.
         """
-        asked = self._posted.pop(item.key, None)  # None: another server's, or before a restart
-        context = None if asked is None else set_span_in_context(NonRecordingSpan(asked))
-        about: dict[str, str | int] = {"vibrafeed.study": item.key, "vibrafeed.blocks": item.blocks}
-        span = self._tracer.start_span(f"work {item.process}", context, attributes=about)
+        post = self._posted.pop(item.key, None)  # None: at another server, or before a restart
+        context = None if post is None else set_span_in_context(NonRecordingSpan(post))
+        attributes: dict[str, str | int] = {
+            "vibrafeed.study": item.key,
+            "vibrafeed.blocks": item.blocks,
+        }
+        span = self._tracer.start_span(f"work {item.process}", context, attributes=attributes)
         self._working[item.owner] = span
         return {"trace_id": format_trace_id(span.get_span_context().trace_id)}
 

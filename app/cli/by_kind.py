@@ -13,7 +13,7 @@ from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES
 from vibrafeed.core.watch import Watch
 
 if TYPE_CHECKING:
-    from vibrafeed.core.dataset.table import Table
+    from vibrafeed.core.dataset.table import Table, TableVariable
     from vibrafeed.core.mechanics.arrays import Array
     from vibrafeed.core.study.shown import Shown, ShownUnits
 
@@ -21,24 +21,19 @@ if TYPE_CHECKING:
 # --- calibrations
 
 MAX_ROWS = 20  # runs that are printed; the file has all
+STATISTICS = ("best", "median", "lower_68", "upper_68", "lower_95", "upper_95")
+"""The statistics of an unknown, of which each is a variable such as `lower_68_friction`."""
 
 
 def show_findings(result: "Table", units: "ShownUnits") -> None:
-    """Print a calibration: unknowns with intervals, measured runs, and findings in sentences.
-
-    `result` is the table of the calibration, `units` those for printing.
-    """
+    """Print a calibration: unknowns with intervals, measured runs, and findings in sentences."""
     rows = []
     for name in str(result.attributes["unknowns"]).split():
-        unit, (best, median, *ends) = _read_values(
-            result,
-            [f"{what}_{name}" for what in ("best", "median", "lower_68", "upper_68", "lower_95",
-                                           "upper_95")],
-            units,
-        )  # fmt: skip
-        rows.append(
-            (name, best, median, f"{ends[0]} to {ends[1]}", f"{ends[2]} to {ends[3]}", unit)
+        unit, (best, median, lower_68, upper_68, lower_95, upper_95) = _read_values(
+            result, [f"{statistic}_{name}" for statistic in STATISTICS], units
         )
+        intervals = f"{lower_68} to {upper_68}", f"{lower_95} to {upper_95}"
+        rows.append((name, best, median, *intervals, unit))
     table(("unknown", "best", "median", "68 %", "95 %", "unit"), rows)
     _show_runs(result, units)
     for sentence in str(result.attributes["findings"]).splitlines():
@@ -46,11 +41,7 @@ def show_findings(result: "Table", units: "ShownUnits") -> None:
 
 
 def _read_values(result: "Table", names: list[str], units: "ShownUnits") -> tuple[str, list[str]]:
-    """Return a readable unit, and the texts of some single values of a result in it.
-
-    `names` are variables without dimensions that have a common unit, `units` the units for
-    printing.
-    """
+    """Return the unit for printing, and the values of single variables, of one unit, as texts."""
     values = [float(result.variables[name].values) for name in names]
     unit = str(result.variables[names[0]].attributes["units"])
     shown = units.of(unit, max(map(abs, values)))
@@ -58,12 +49,8 @@ def _read_values(result: "Table", names: list[str], units: "ShownUnits") -> tupl
 
 
 def _show_runs(result: "Table", units: "ShownUnits") -> None:
-    """Print measured and predicted value of each run, with the prediction's 95 % interval.
-
-    `result` is the table of a calibration, `units` those for printing; at most 20 runs are printed.
-    """
     output = str(result.attributes["output"])
-    measured, predicted, low, high, over = (
+    measured, predicted, low, high, residuals = (
         np.asarray(result.variables[name].values, dtype=np.float64)
         for name in (output, "predicted_best", "predicted_lower_95", "predicted_upper_95",
                      "residual_over_error")
@@ -79,13 +66,13 @@ def _show_runs(result: "Table", units: "ShownUnits") -> None:
 
     rows = [
         (
-            f"{k + 1}",
-            text(measured[k]),
-            text(predicted[k]),
-            f"{text(low[k])} to {text(high[k])}",
-            "-" if np.isnan(over[k]) else format_number(over[k], 2),
+            f"{run + 1}",
+            text(measured[run]),
+            text(predicted[run]),
+            f"{text(low[run])} to {text(high[run])}",
+            "-" if np.isnan(residuals[run]) else format_number(residuals[run], 2),
         )
-        for k in range(min(len(measured), MAX_ROWS))
+        for run in range(min(len(measured), MAX_ROWS))
     ]
     unit = f" [{shown.unit}]" if shown.unit else ""
     table(("run", f"measured{unit}", f"predicted{unit}", "95 % of the posterior",
@@ -104,13 +91,12 @@ def format_value(name: str, value: float, units: "ShownUnits") -> str:
     return f"{format_number(shown.factor * value)}{gap}{shown.unit}"
 
 
-def nearest(result: "Table", units: "ShownUnits", deadline: float | None) -> list[str]:
+def describe_nearest(result: "Table", units: "ShownUnits", deadline: float | None) -> list[str]:
     """Return lines on an optimisation without solution: the nearest designs, and possible changes.
 
     Each says by how much a limit is missed while all others are kept, or which change would let all
     be kept. The search takes a while; the result is empty if it is skipped by Ctrl-C, or not
-    needed. `result` is the table of the optimisation, `units` are those for printing, `deadline`
-    is the time of `time.monotonic` at which to stop [s].
+    needed. `deadline` is the time of `time.monotonic` at which to stop [s].
     """
     if is_muted() or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
         return []
@@ -121,22 +107,23 @@ def nearest(result: "Table", units: "ShownUnits", deadline: float | None) -> lis
         study = parse_json(str(result.attributes["study"]))
         with progress("nearest designs") as advance:
             watch = Watch(advance, deadline=deadline).part(0.5)
-            reaches, others = search.nearest(study, watch), search.ways(study, watch)
+            designs, changes = search.nearest(study, watch), search.ways(study, watch)
     except KeyboardInterrupt:
         return []
     lines = []
-    for reach in reaches:
-        side = "at most" if reach.upper else "at least"
-        asked = f"{side} {format_value(reach.output, reach.bound, units)} is asked"
+    for design in designs:
+        side = "at most" if design.upper else "at least"
+        limit = f"{side} {format_value(design.output, design.bound, units)} is asked"
+        value = format_value(design.output, design.value, units)
         lines.append(
-            f"Nearest: {reach.output} {format_value(reach.output, reach.value, units)} ({asked}) "
-            f"with all other limits kept, at {list_choice(reach.choice, units)}."
+            f"Nearest: {design.output} {value} ({limit}) with all other limits kept, at "
+            f"{list_choice(design.choice, units)}."
         )
-    for way in others:
-        value = format_value(way.output, way.value, units)
+    for change in changes:
+        value = format_value(change.output, change.value, units)
         lines.append(
-            f"With {way.change}: {way.output} {value} and all limits kept, at "
-            f"{list_choice(way.choice, units)}."
+            f"With {change.change}: {change.output} {value} and all limits kept, at "
+            f"{list_choice(change.choice, units)}."
         )
     return lines
 
@@ -186,15 +173,12 @@ def is_short(name: str) -> bool:
 
 
 def show_design(result: "Table", units: "ShownUnits") -> None:
-    """Print a design with uncertain parameters: probabilities, and each output by parameter.
-
-    `result` is a sensitivity study with a single cell, `units` those for printing.
-    """
-    for name, one in result.variables.items():
+    """Print a design with uncertain parameters: probabilities, and each output by parameter."""
+    for name, variable in result.variables.items():
         if name.startswith("probability_") and not name.endswith("_error"):
             error = result.variables[f"{name}_error"].values.item()
-            words = _demand_in_words(one.attributes, units)
-            tell(f"  {words}: {percent_with_error(one.values.item(), error)}")
+            label = _demand_in_words(variable.attributes, units)
+            tell(f"  {label}: {percent_with_error(variable.values.item(), error)}")
     for name in result.variables:
         if name.endswith("_left_out"):
             _show_output(result, name.removesuffix("_left_out"), units)
@@ -203,84 +187,90 @@ def show_design(result: "Table", units: "ShownUnits") -> None:
 def _demand_in_words(attributes: Mapping[str, Any], units: "ShownUnits") -> str:
     """Return the label of a probability, such as `probability of x at most 2 mm`.
 
-    A sensitivity study computes it. `attributes` are those of its variable: a regime, or an output
-    with the bounds `at_least` and `at_most`, in the units of files. `units` are those for printing.
+    `attributes` are those of its variable in a sensitivity study: a regime, or an output with the
+    bounds `at_least` and `at_most`, in the units of files.
     """
     if "regime" in attributes:
         return f"probability of {attributes['regime']}"
     output = str(attributes["output"])
     bounds = {key: float(attributes[key]) for key in ("at_least", "at_most") if key in attributes}
     shown = units.of(QUANTITIES[output].unit, max(map(abs, bounds.values())))
-    told = (f"{key.replace('_', ' ')} {format_number(shown.factor * value)} {shown.unit}".rstrip()
-            for key, value in bounds.items())  # fmt: skip
-    return f"probability of {output} {' and '.join(told)}"
+    texts = (
+        f"{key.replace('_', ' ')} {format_number(shown.factor * bound)} {shown.unit}".rstrip()
+        for key, bound in bounds.items()
+    )
+    return f"probability of {output} {' and '.join(texts)}"
 
 
 def _show_output(result: "Table", output: str, units: "ShownUnits") -> None:
-    """Print mean, quantiles, Sobol indices and the tolerance budget of one output of a design.
+    """Print mean, quantiles, Sobol indices and tolerance budget of an output of a single design.
 
-    The budget says which share of the variance comes from which uncertain parameter. `result` is a
-    sensitivity study with a single cell, `output` the name of the output; `units` are those for
-    printing.
+    The budget says which share of the variance comes from which uncertain parameter.
     """
-    from vibrafeed.core.sensitivity.prepare import QUANTILE, UNCERTAIN
+    from vibrafeed.core.sensitivity.prepare import QUANTILE
 
     columns = {
         name.removeprefix(f"{output}_"): column
         for name, column in result.variables.items()
         if name.startswith(f"{output}_")
     }
-    left = columns["left_out"].values.item()
-    if left == 1:
+    left_out = columns["left_out"].values.item()
+    if left_out == 1:
         tell(f"  {output}: no point has a valid value")
         return
-    own = [
-        column.values.ravel() for column in columns.values() if column.attributes["units"] != "1"
-    ]
-    every = np.abs(np.concatenate([*own, [0.0]]))
-    size = float(every[np.isfinite(every)].max())
-    unit = next((str(column.attributes["units"]) for column in columns.values()
-                 if column.attributes["units"] != "1"), "1")  # fmt: skip
-    shown = units.of(unit, size)
-    parts = []
-    for part in ("nominal", "mean", "deviation", "least", "largest"):
-        if part in columns:
-            error = columns.get(f"{part}_error")
+    # Sobol indices and shares have the unit 1; the other columns have that of the output.
+    in_unit = [column for column in columns.values() if column.attributes["units"] != "1"]
+    sizes = np.abs(np.concatenate([*(column.values.ravel() for column in in_unit), [0.0]]))
+    unit = str(in_unit[0].attributes["units"]) if in_unit else "1"
+    shown = units.of(unit, float(sizes[np.isfinite(sizes)].max()))
+    statistics = []
+    for name in ("nominal", "mean", "deviation", "least", "largest"):
+        if name in columns:
+            error = columns.get(f"{name}_error")
             errors = None if error is None else error.values
-            parts.append(f"{part} {_with_error(columns[part].values, shown, errors)}")
+            statistics.append(f"{name} {_with_error(columns[name].values, shown, errors)}")
     say("")
-    tell(f"  {' '.join(filter(None, (output, shown.unit and f'({shown.unit})')))}: "
-         + ", ".join(parts))  # fmt: skip
+    heading = f"{output} ({shown.unit})" if shown.unit else output
+    tell(f"  {heading}: {', '.join(statistics)}")
     if QUANTILE in columns:
-        shares = result.coordinates[QUANTILE].values
-        values = columns[QUANTILE].values
-        told = (
-            f"{100 * q:g} % below {_with_error(v, shown)}"
-            for q, v in zip(shares, values, strict=True)
+        quantiles = (
+            f"{100 * level:g} % below {_with_error(value, shown)}"
+            for level, value in zip(
+                result.coordinates[QUANTILE].values, columns[QUANTILE].values, strict=True
+            )
         )
-        tell(f"  {', '.join(told)}")
-    if left > 0:
-        tell(f"  {_percent(left)} of the points have no valid value, and count in no mean.")
-    by_parameter = [part for part in COLUMNS if part in columns]
-    if by_parameter:
-        names = str(result.coordinates[UNCERTAIN].attributes["flag_meanings"]).split()
-        rows = []
-        for row, parameter in enumerate(names):
-            cells = []
-            for part in by_parameter:
-                value, error = columns[part].values[row], columns.get(f"{part}_error")
-                if part in SHARES:
-                    width = None if error is None else float(error.values[row])
-                    cells.append(percent_with_error(value, width))
-                else:
-                    cells.append(_with_error(value, shown))
-            rows.append((parameter, *cells))
-        headings = [COLUMNS[part] for part in by_parameter]
-        table(("parameter", *headings), rows, right=headings)
-    decides = columns.get("total", columns.get("variance_share"))
-    if decides is not None and np.isfinite(decides.values).all() and len(rows) > 1:
-        most = int(np.argmax(decides.values))
-        tell(f"  {rows[most][0]} matters most: a narrower tolerance of it narrows {output} most.")
+        tell(f"  {', '.join(quantiles)}")
+    if left_out > 0:
+        tell(f"  {_percent(left_out)} of the points have no valid value, and count in no mean.")
+    if any(name in columns for name in COLUMNS):
+        _show_influences(result, output, columns, shown)
+
+
+def _show_influences(
+    result: "Table", output: str, columns: "Mapping[str, TableVariable]", shown: "Shown"
+) -> None:
+    """Print Sobol indices, changes and shares of the variance of an output, a row a parameter."""
+    from vibrafeed.core.sensitivity.prepare import UNCERTAIN
+
+    parameters = str(result.coordinates[UNCERTAIN].attributes["flag_meanings"]).split()
+    names = [name for name in COLUMNS if name in columns]
+    rows = []
+    for row, parameter in enumerate(parameters):
+        cells = []
+        for name in names:
+            value, error = columns[name].values[row], columns.get(f"{name}_error")
+            if name in SHARES:
+                width = None if error is None else float(error.values[row])
+                cells.append(percent_with_error(value, width))
+            else:
+                cells.append(_with_error(value, shown))
+        rows.append((parameter, *cells))
+    headings = [COLUMNS[name] for name in names]
+    table(("parameter", *headings), rows, right=headings)
+    influences = columns.get("total", columns.get("variance_share"))
+    if influences is not None and np.isfinite(influences.values).all() and len(parameters) > 1:
+        first = parameters[int(np.argmax(influences.values))]
+        tell(f"  {first} matters most: a narrower tolerance of it narrows {output} most.")
 
 
 def _with_error(value: "Array", shown: "Shown", error: "Array | None" = None) -> str:
@@ -288,5 +278,5 @@ def _with_error(value: "Array", shown: "Shown", error: "Array | None" = None) ->
     return text if error is None else f"{text} ± {format_number(shown.factor * float(error), 2)}"
 
 
-def _percent(share: float) -> str:
-    return f"{format_number(100 * share, 3)} %"
+def _percent(fraction: float) -> str:
+    return f"{format_number(100 * fraction, 3)} %"

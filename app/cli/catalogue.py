@@ -22,17 +22,17 @@ def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
     """
     rows = []
     for line in lines:
-        names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
+        names = (
+            f"{variant}*" if variant == line["default_variant"] else variant
+            for variant in line["variants"]
+        )
         rows.append((line["name"], ", ".join(names), ", ".join(line["methods"]), line["title"]))
     table(SCENES, rows)
     say("  * default; `vibrafeed scenes NAME` says more, with --method about its motion in time")
 
 
 def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
-    """Print everything about one scene: validity, parameters, outputs and regimes.
-
-    `scene` is its entry of the catalogue, `units` those for printing.
-    """
+    """Print everything about one scene: validity, parameters, outputs and regimes."""
     source = f" (section {scene['source']} of the thesis)" if scene["source"] else ""
     say(f"{scene['name']}: {scene['title']}{source}")
     if "method" in scene:
@@ -46,8 +46,8 @@ def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
         "m/s, s, kg, N and so on, an angle in degrees."
     )
     for drive in scene.get("other_drives", ()):
-        first = [name for name in drive["parameters"] if name.endswith(("_1", "factor"))]
-        say(f"  or a drive of {drive['kind']}: {', '.join(first)} and so on (docs/drives.md)")
+        examples = [name for name in drive["parameters"] if name.endswith(("_1", "factor"))]
+        say(f"  or a drive of {drive['kind']}: {', '.join(examples)} and so on (docs/drives.md)")
     rows = [
         (
             entry["name"],

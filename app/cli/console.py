@@ -59,9 +59,9 @@ def is_muted() -> bool:
 
 
 @contextmanager
-def muted(asked: bool) -> Iterator[None]:
-    """Suppress printed lines, tables and progress bars inside the block, if `asked` is True."""
-    _muted.append(asked)
+def muted(quiet: bool) -> Iterator[None]:
+    """Suppress printed lines, tables and progress bars inside the block, if `quiet` is True."""
+    _muted.append(quiet)
     try:
         yield
     finally:
@@ -251,9 +251,9 @@ def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
     `columns` are the headings, `rows` the cells of each row; empty cells become `-`. This is how
     tables are printed where there is no terminal.
     """
-    told = [[*columns], *([cell or "-" for cell in row] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*told, strict=True)]
-    for row in told:
+    lines = [[*columns], *([cell or "-" for cell in row] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for row in lines:
         yield _align_cells(row, widths)
 
 
@@ -278,19 +278,19 @@ def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]
     the headings, `rows` the cells of each row, `width` is that of the terminal [characters].
     """
     natural = [max(map(len, column)) for column in zip(columns, *rows, strict=True)]
-    first = [0]
+    beside = [0]
     used = len(GAP) + natural[0]
-    for number, wide in enumerate(natural[1:], 1):
-        if wide <= LONG and used + len(GAP) + wide <= width:
-            first.append(number)
-            used += len(GAP) + wide
-    widths = [natural[number] for number in first]
-    below = [number for number in range(len(columns)) if number not in first]
-    yield GAP + _align_cells([columns[number] for number in first], widths)
+    for number, letters in enumerate(natural[1:], 1):
+        if letters <= LONG and used + len(GAP) + letters <= width:
+            beside.append(number)
+            used += len(GAP) + letters
+    widths = [natural[number] for number in beside]
+    below = [number for number in range(len(columns)) if number not in beside]
+    yield GAP + _align_cells([columns[number] for number in beside], widths)
     if len(below) == 1:
         yield " " * INDENT + columns[below[0]]
     for row in rows:
-        yield from fold_line(GAP + _align_cells([row[number] for number in first], widths), width)
+        yield from fold_line(GAP + _align_cells([row[number] for number in beside], widths), width)
         for number in below:
             name = f"{columns[number]}: " if len(below) > 1 else ""
             if row[number]:

@@ -153,7 +153,7 @@ def drive(
     from vibrafeed.core.study.unusual import questions_of_drive
 
     shown = units_asked(units)
-    asked = Recording(
+    options = Recording(
         along=along,
         across=across,
         normal=normal,
@@ -169,12 +169,12 @@ def drive(
         harmonics=harmonics,
     )
     if ring_down:
-        found = _fit_ring_down(recording, asked, loaded, added_mass, plot)
-        lines = show_ring_down(recording, *found, toml=toml, as_json=as_json)
+        free_vibration, mass = _fit_ring_down(recording, options, loaded, added_mass, plot)
+        lines = show_ring_down(recording, free_vibration, mass, toml=toml, as_json=as_json)
         if output is not None:
             _write(output, lines, quiet=toml or as_json)
         return
-    fit = _fit_recording(recording, asked, plot)
+    fit = _fit_recording(recording, options, plot)
     warn(recording, questions_of_drive(fit.parameters(), recording.name) + channel_questions(fit))
     lines = toml_of(fit, recording)
     if toml:
@@ -206,7 +206,7 @@ def _write(output: Path, lines: str, *, quiet: bool) -> None:
 
 def _fit_ring_down(
     recording: Path,
-    asked: "Recording",
+    options: "Recording",
     loaded: Path | None,
     added_mass: str | None,
     plot: Path | None,
@@ -227,20 +227,21 @@ def _fit_ring_down(
     fits = []
     for file in filter(None, (recording, loaded)):
         try:
-            fits.append(fit_ring_down(file, asked))
+            fits.append(fit_ring_down(file, options))
         except StudyError as error:
-            problems[file] = [*problems.get(file, []), *map(_of_options, error.problems)]
+            named = map(_name_options, error.problems)
+            problems[file] = [*problems.get(file, []), *named]
         except OSError as error:
             message = f"it cannot be read: {error.strerror or error}"
             problems[file] = [Problem("recording", message, "Name a recording")]
-    found = {file: some for file, some in problems.items() if some}
-    if found:
-        refuse(found)
+    invalid = {file: listed for file, listed in problems.items() if listed}
+    if invalid:
+        refuse(invalid)
     try:
         mass = None if added_mass is None else moving_mass(fits[0], fits[1], added_mass)
         return fits[0], mass
     except StudyError as error:
-        refuse({recording: [replace(one, place="--added-mass") for one in error.problems]})
+        refuse({recording: [replace(problem, place="--added-mass") for problem in error.problems]})
 
 
 def _split_list(text: str | None) -> tuple[str, ...] | None:
@@ -248,10 +249,10 @@ def _split_list(text: str | None) -> tuple[str, ...] | None:
     return None if text is None else tuple(part.strip() for part in text.split(","))
 
 
-def _fit_recording(recording: Path, asked: "Recording", plot: Path | None) -> "Fit":
+def _fit_recording(recording: Path, options: "Recording", plot: Path | None) -> "Fit":
     """Return the drive fitted to a recording; print every problem and exit if there is one.
 
-    `asked` holds the columns and options of the recording; `plot` is the file of the picture, if
+    `options` holds the columns and options of the recording; `plot` is the file of the picture, if
     one is wanted.
     """
     from vibrafeed.core.measured import fit_drive
@@ -259,7 +260,7 @@ def _fit_recording(recording: Path, asked: "Recording", plot: Path | None) -> "F
 
     problems = _problems_of_picture(plot)
     try:
-        if not (asked.along or asked.across or asked.normal or asked.sensor):
+        if not (options.along or options.across or options.normal or options.sensor):
             columns = ", ".join(read_table(recording).columns)
             fix = "Give --along and --normal, or --sensor with three columns"
             problems.append(
@@ -271,20 +272,19 @@ def _fit_recording(recording: Path, asked: "Recording", plot: Path | None) -> "F
                 )
             )
             refuse({recording: problems})
-        fit = fit_drive(recording, asked)
+        fit = fit_drive(recording, options)
     except StudyError as error:
         problems += error.problems
     except OSError as error:
         message = f"it cannot be read: {error.strerror or error}"
         problems.append(Problem("recording", message, "Name a CSV"))
     if problems:
-        refuse({recording: [_of_options(problem) for problem in problems]})
+        refuse({recording: [_name_options(problem) for problem in problems]})
     return fit
 
 
 @functools.cache
-def _keys() -> tuple[str, ...]:
-    """Return the keys of a recording in a study."""
+def _recording_keys() -> tuple[str, ...]:
     from vibrafeed.core.measured import Recording
 
     return tuple(field.name for field in fields(Recording) if field.name != "slopes")
@@ -292,36 +292,34 @@ def _keys() -> tuple[str, ...]:
 
 @functools.cache
 def _key_pattern() -> re.Pattern[str]:
-    """Return the pattern of such a key within a sentence."""
-    names = "|".join(_keys())
+    names = "|".join(_recording_keys())
+    # A key within a sentence: `rate = `, `leave rate out`, `the key rate`, or `(rate)`.
     return re.compile(
         rf"\b(?:{names})(?= = | out\b)|(?<=the key )(?:{names})\b|(?<=\()(?:{names})(?=\))"
         r"|\bline_frequency\b"
     )
 
 
-def _of_options(problem: Problem) -> Problem:
-    """Return a problem of a recording that speaks of options where it speaks of keys of a study."""
-    place, dot, rest = problem.place.partition(".")
-    if place in _keys():
-        place = f"--{place.replace('_', '-')}"
-    message, fix = map(_in_options, (problem.message, problem.fix))
+def _name_options(problem: Problem) -> Problem:
+    """Return a problem that names options of the command where it named keys of a study."""
+    key, dot, rest = problem.place.partition(".")
+    place = f"--{key.replace('_', '-')}" if key in _recording_keys() else key
+    message, fix = map(_replace_keys, (problem.message, problem.fix))
     return replace(problem, place=place + dot + rest, message=message, fix=fix)
 
 
-def _in_options(text: str) -> str:
+def _replace_keys(text: str) -> str:
     """Return a text with options in place of keys of a study: ``--rate=`` for ``rate =``."""
-    text = _key_pattern().sub(lambda found: f"--{found[0].replace('_', '-')}", text)
+    text = _key_pattern().sub(lambda match: f"--{match[0].replace('_', '-')}", text)
     text = _OPTION.sub(r"--\1=", text.replace("the key --", "--"))
-    return _LIST.sub(lambda found: found[1].replace('"', "").replace(" ", ""), text)
+    # `["a", "b"]`, as TOML has it, becomes `a,b`.
+    return _LIST.sub(lambda match: match[1].replace('"', "").replace(" ", ""), text)
 
 
 def _problems_of_picture(plot: Path | None) -> list[Problem]:
-    """Return the problems of the file into which a plot of the drive's waveform is to be drawn.
+    """Return the problem of a picture whose suffix names no format, if it is one.
 
-    `plot` is its path, whose suffix decides the format; None if no plot is wanted, which has no
-    problems. The only problem is a suffix of no known format. Exits with a message how to install
-    matplotlib if that is missing.
+    Exits if matplotlib is missing.
     """
     from vibrafeed.core.plots.pictures import PlotError
 

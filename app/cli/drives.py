@@ -17,22 +17,19 @@ PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
 
 
 def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
-    """Print the frequency, harmonics and errors of a drive that was fitted to a recording.
-
-    `recording` is its file, `units` those for printing.
-    """
+    """Print the frequency, harmonics and errors of a drive that was fitted to a recording."""
     say(f"{recording}: {fit.samples:,} samples, {fit.periods:.1f} periods")
     for name, text in facts(fit, units):
         say(f"  {name}: {text}")
     length = units.of("m", float(np.nanmax(np.abs(fit.amplitudes))))
     angle = units.of("degree", 0.0)
     rows = [
-        (axis, str(order), *_harmonic_cells(fit, row, place, length.factor, angle.factor))
+        (axis, str(order), *_harmonic_cells(fit, row, position, length.factor, angle.factor))
         for row, axis in enumerate(fit.axes)
-        for place, order in enumerate(fit.orders)
+        for position, order in enumerate(fit.orders)
     ]
-    measured = f"amplitude ({length.unit})", PLUS_MINUS, f"phase ({angle.unit})", PLUS_MINUS
-    table(("axis", "order", *measured), rows, right=("order", *measured))
+    headings = f"amplitude ({length.unit})", PLUS_MINUS, f"phase ({angle.unit})", PLUS_MINUS
+    table(("axis", "order", *headings), rows, right=("order", *headings))
     if not fit.significant.all():
         say("  -: not distinguishable from zero; left out of the study's parameters")
 
@@ -77,16 +74,17 @@ def facts(fit: Fit, units: ShownUnits | None = None) -> Iterator[tuple[str, str]
     units = units or ShownUnits()
     stroke = fit.stroke
     if stroke is not None:
-        off = float(np.max(fit.amplitude_errors[:, fit.orders.index(stroke.order)]))
-        angle = float(np.degrees(stroke.angle)), float(np.degrees(off / stroke.major))
+        stroke_error = float(np.max(fit.amplitude_errors[:, fit.orders.index(stroke.order)]))
+        # As if the end of the stroke were off by its error at right angles.
+        angle_error = float(np.degrees(stroke_error / stroke.major))
+        angle = _with_error(*_round_to_error(float(np.degrees(stroke.angle)), angle_error))
+        length = _peak_to_peak(stroke.major, stroke_error, units)
         order = "" if stroke.order == 1 else f", of order {stroke.order}"
-        line = _peak_to_peak(stroke.major, off, units)
-        shown = _with_error(*_round_to_error(*angle))
-        yield "stroke", f"{line} along the line of vibration, at {shown} degrees{order}"
+        yield "stroke", f"{length} along the line of vibration, at {angle} degrees{order}"
     else:
         strokes = (
-            f"{_peak_to_peak(float(size), float(error), units)} {axis}"
-            for axis, size, error in zip(
+            f"{_peak_to_peak(float(amplitude), float(error), units)} {axis}"
+            for axis, amplitude, error in zip(
                 fit.axes, fit.amplitudes[:, 0], fit.amplitude_errors[:, 0], strict=True
             )
         )
@@ -94,15 +92,10 @@ def facts(fit: Fit, units: ShownUnits | None = None) -> Iterator[tuple[str, str]
     frequency, error = _round_to_error(fit.frequency, fit.frequency_error)
     yield "frequency", f"{frequency} Hz" + (f" {PLUS_MINUS} {error} Hz" if error else ", as given")
     if stroke is not None:
-        across = _peak_to_peak(stroke.minor, off, units)
-        turn = "leads" if stroke.phase > 0 else "lags"
-        yield (
-            "ellipse",
-            (
-                f"{across} across that line; normal {turn} along by "
-                f"{abs(np.degrees(stroke.phase)):.1f} degrees"
-            ),
-        )
+        width = _peak_to_peak(stroke.minor, stroke_error, units)
+        verb = "leads" if stroke.phase > 0 else "lags"
+        phase = f"normal {verb} along by {abs(np.degrees(stroke.phase)):.1f} degrees"
+        yield "ellipse", f"{width} across that line; {phase}"
     if fit.clock is not None:
         clock, error = _round_to_error(
             PERCENT * fit.clock.error, PERCENT * fit.clock.standard_error
@@ -110,25 +103,24 @@ def facts(fit: Fit, units: ShownUnits | None = None) -> Iterator[tuple[str, str]
         pace = "slow" if fit.clock.error > 0 else "fast"
         yield "clock", f"{clock.lstrip('-')} % {PLUS_MINUS} {error or 0} % {pace}"
     unit = ("m", "m/s", "m/s\N{SUPERSCRIPT TWO}")[fit.signal.derivative]
-    for name, shares in (("not explained by the fit", fit.left_over), ("drift", fit.drifting)):
-        each = zip(fit.axes, PERCENT * shares, strict=True)
-        listed = ", ".join(f"{axis} {share:.2g} %" for axis, share in each)
-        rest = ", ".join(f"{one:.2g}" for one in fit.rest)
-        rms = f"; {rest} {unit} rms" if shares is fit.left_over else ""
-        yield name, f"{listed} of the drive{rms}"
+    residuals = ", ".join(f"{residual:.2g}" for residual in fit.rest)
+    unexplained = _percent_of_axes(fit, fit.left_over)
+    yield "not explained by the fit", f"{unexplained}; {residuals} {unit} rms"
+    yield "drift", _percent_of_axes(fit, fit.drifting)
     for number, note in enumerate(fit.signal.notes, 1):
         yield "note" if number == 1 else f"note {number}", note
     if fit.tilt is not None:
         climb, lean = np.degrees(fit.tilt.climb), np.degrees(fit.tilt.lean)
-        left = "" if np.isnan(lean) else f", rises to its left by {lean:.2f} degrees"
-        yield "tilt", f"climbs by {climb:.2f} degrees{left}"
+        side_text = "" if np.isnan(lean) else f", rises to its left by {lean:.2f} degrees"
+        yield "tilt", f"climbs by {climb:.2f} degrees{side_text}"
+
+
+def _percent_of_axes(fit: Fit, fractions: np.ndarray) -> str:
+    pairs = zip(fit.axes, PERCENT * fractions, strict=True)
+    return ", ".join(f"{axis} {percentage:.2g} %" for axis, percentage in pairs) + " of the drive"
 
 
 def _peak_to_peak(amplitude: float, error: float, units: ShownUnits) -> str:
-    """Return the text of a length from peak to peak, with its error; the arguments are half of it.
-
-    `units` are those for printing.
-    """
     shown = units.of("m", 2.0 * amplitude)
     texts = _round_to_error(2.0 * shown.factor * amplitude, 2.0 * shown.factor * error)
     return f"{_with_error(*texts)} {shown.unit} peak to peak"
@@ -151,31 +143,31 @@ def show_ring_down(
     `mass` is the moving mass with its error [kg], if it is known. `toml` prints the parameters
     only, `as_json` a JSON document.
     """
-    each = [
+    quantities = [
         ("ring_down_frequency", "natural frequency", "Hz",
          result.natural_frequency, result.natural_frequency_error),
         ("damping_ratio", "damping ratio", "", result.damping_ratio, result.damping_ratio_error),
     ]  # fmt: skip
     if mass is not None:
-        each.append(("moving_mass", "moving mass", "kg", *mass))
+        quantities.append(("moving_mass", "moving mass", "kg", *mass))
     lines = [f"# Fitted to {recording.name!a} by vibrafeed {core.__version__}", "[parameters]"]
-    texts = {name: _round_to_error(value, error) for name, _, _, value, error in each}
-    for name, _, unit, _, _ in each:
-        value, error = (f"{text} {unit}".strip() for text in texts[name])
+    rounded_texts = {name: _round_to_error(value, error) for name, _, _, value, error in quantities}
+    for name, _, unit, _, _ in quantities:
+        value, error = (f"{text} {unit}".strip() for text in rounded_texts[name])
         lines.append(_toml_line(name, value, error))
     text = "\n".join(lines)
     if toml:
         say(text)
     elif as_json:
-        numbers = {name: value for name, _, _, value, _ in each}
-        errors = {f"{name}_error": error for name, _, _, _, error in each}
+        numbers = {name: value for name, _, _, value, _ in quantities}
+        errors = {f"{name}_error": error for name, _, _, _, error in quantities}
         more = {"other_frequencies": [*result.other_frequencies], "left_over": result.left_over}
         document({"recording": str(recording), **numbers, **errors, **more})
     else:
         say(f"{recording}: {result.samples:,} samples from {result.start:.4g} s")
-        for name, label, unit, _, _ in each:
-            say(f"  {label}: {_with_error(*texts[name])} {unit}".rstrip())
-        others = ", ".join(f"{one:.4g} Hz" for one in result.other_frequencies)
+        for name, label, unit, _, _ in quantities:
+            say(f"  {label}: {_with_error(*rounded_texts[name])} {unit}".rstrip())
+        others = ", ".join(f"{frequency:.4g} Hz" for frequency in result.other_frequencies)
         if others:
             say(f"  other modes: {others}")
         say(f"  not explained by the fit: {PERCENT * result.left_over:.2g} % of the ring-down")
@@ -196,13 +188,14 @@ def toml_of(fit: Fit, recording: Path) -> str:
         _toml_line("frequency", f"{frequency} Hz", f"{error} Hz" if error else ""),
     ]
     for row, axis in enumerate(fit.axes):
-        for place, order in enumerate(fit.orders):
-            if fit.significant[row, place]:
-                amplitude, off, phase, away = _harmonic_cells(fit, row, place)
-                end = f"{axis}_{order}"
-                lines.append(_toml_line(f"amplitude_{end}", f"{amplitude} um", f"{off} um"))
-                why = f"{away} deg" if away else ""
-                lines.append(_toml_line(f"phase_{end}", f"{phase} deg", why))
+        for position, order in enumerate(fit.orders):
+            if fit.significant[row, position]:
+                amplitude, amplitude_error, phase, phase_error = _harmonic_cells(fit, row, position)
+                suffix = f"{axis}_{order}"
+                error_text = f"{amplitude_error} um"
+                lines.append(_toml_line(f"amplitude_{suffix}", f"{amplitude} um", error_text))
+                error_text = f"{phase_error} deg" if phase_error else ""
+                lines.append(_toml_line(f"phase_{suffix}", f"{phase} deg", error_text))
     return "\n".join(lines)
 
 
@@ -228,10 +221,11 @@ def _harmonic_cells(
     """
     if not fit.significant[row, position]:
         return "-", "", "-", ""
-    one = row, position
-    amplitude = _round_to_error(length * fit.amplitudes[one], length * fit.amplitude_errors[one])
-    phase, away = angle * np.degrees(fit.phases[one]), angle * np.degrees(fit.phase_errors[one])
-    return *amplitude, *_round_to_error(phase, away)
+    at = row, position
+    amplitude, amplitude_error = length * fit.amplitudes[at], length * fit.amplitude_errors[at]
+    phase = angle * np.degrees(fit.phases[at])
+    phase_error = angle * np.degrees(fit.phase_errors[at])
+    return *_round_to_error(amplitude, amplitude_error), *_round_to_error(phase, phase_error)
 
 
 def _round_to_error(value: float, error: float) -> tuple[str, str]:

@@ -89,9 +89,9 @@ def export(
         table = Table.of_xarray(in_shown_units(table.to_xarray(), shown))
     if "://" not in output:
         make_folder_of(output)
-    before = str(table.attributes.get("history", ""))
+    old_history = str(table.attributes.get("history", ""))
     attributes = {name: value for name, value in table.attributes.items() if name != "history"}
     stamp = datetime.now(UTC).isoformat(timespec="seconds")
-    history = f"{stamp} vibrafeed export {Path(file).name}\n{before}".rstrip()
+    history = f"{stamp} vibrafeed export {Path(file).name}\n{old_history}".rstrip()
     write_or_exit(Path(file), replace(table, attributes=attributes), output, history, storage)
     console.say(f"{file} -> {output}")

@@ -88,7 +88,7 @@ def add(
     """
     from vibrafeed.app.jobs.keys import InvalidKeyError, Key, Keys
 
-    asked = Key(
+    new_key = Key(
         name,
         role,
         requests=_parse_limit(requests),
@@ -98,25 +98,25 @@ def add(
     )
     with _database() as database:
         try:
-            made, kept = Keys(database).add(asked, days)
+            secret, stored = Keys(database).add(new_key, days)
         except InvalidKeyError as error:
             refuse({Path("key add"): list[Problem](error.problems)})
-    typer.echo(made)
+    typer.echo(secret)
     typer.echo(
-        f"This key of {kept.name}, of the role {kept.role}, is stored nowhere: note it now. "
+        f"This key of {stored.name}, of the role {stored.role}, is stored nowhere: note it now. "
         "Clients send `Authorization: Bearer KEY`.",
         err=True,
     )
 
 
-def _parse_limit(figure: float | None) -> int | None:
+def _parse_limit(number: float | None) -> int | None:
     """Return a limit as a whole number, so that 1e9 may be typed; None for no limit.
 
     A number that is not whole becomes 0, which the check of the key refuses.
     """
-    if figure is None:
+    if number is None:
         return None
-    return int(figure) if abs(figure) < float("inf") and figure == int(figure) else 0
+    return int(number) if abs(number) < float("inf") and number == int(number) else 0
 
 
 @key.command("list")
@@ -129,18 +129,18 @@ def list_keys(as_json: Json = False) -> None:
     now = time.time()
     if as_json:
         names = ("name", "role", "created", "ends", "withdrawn", *LIMITS)
-        told = [
-            {**{name: getattr(row, name) for name in names}, "stands": row.stands(now)}
+        documents = [
+            {**{name: getattr(row, name) for name in names}, "stands": row.in_force(now)}
             for row in keys
         ]
-        console.document(told)
+        console.document(documents)
         return
     rows = []
     for row in keys:
         until = (
             "withdrawn " + _format_day(row.withdrawn) if row.withdrawn else _format_day(row.ends)
         )
-        if not row.withdrawn and not row.stands(now):
+        if not row.withdrawn and not row.in_force(now):
             until = f"over since {until}"
         limits = [_format_limit(getattr(row, name)) for name in LIMITS]
         rows.append((row.name, row.role, _format_day(row.created), *limits, until))
@@ -203,8 +203,8 @@ def _database() -> "Iterator[Database]":
         ledger.close()
 
 
-def _format_limit(figure: int | None) -> str:
-    return "-" if figure is None else f"{figure:,}"
+def _format_limit(number: int | None) -> str:
+    return "-" if number is None else f"{number:,}"
 
 
 def _format_day(seconds: float | None) -> str:

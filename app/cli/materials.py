@@ -26,14 +26,14 @@ def materials(
     as_json: Json = False,
 ) -> None:
     """Print published coefficients of friction and restitution, with their sources."""
-    asked = " ".join(word for word in " ".join(words or ()).split() if word != "on")
-    table = (leaf_springs if leaves else friction)(asked)
+    search = " ".join(word for word in " ".join(words or ()).split() if word != "on")
+    table = (leaf_springs if leaves else friction)(search)
     if as_json:
         console.document(table)
         return
     keys = ("materials",) if leaves else ("pairs", "rebounds")
     if not any(table[key] for key in keys):
-        console.say(f"No row holds all of: {asked}. Give fewer words, or none to see all rows.")
+        console.say(f"No row holds all of: {search}. Give fewer words, or none to see all rows.")
         raise typer.Exit(FAILED)
     numbers = {name: str(number) for number, name in enumerate(table["sources"], 1)}
     if leaves:
@@ -49,7 +49,7 @@ def materials(
         console.table(LEAVES, cells)
     else:
         _show_friction(table, numbers)
-    more = () if leaves or asked else table["surfaces"]
+    more = () if leaves or search else table["surfaces"]
     for line in (*table["about"], *more):
         console.tell(f"- {line}")
     for name, number in numbers.items():
@@ -62,8 +62,10 @@ def _show_friction(table: Mapping[str, Any], numbers: Mapping[str, str]) -> None
         rows = []
         for row in table["pairs"]:
             surface = _join_texts(row["surface"], row["note"])
-            either = shown(row, "coefficient") and shown(row, "coefficient") + " ?"
-            static, kinetic = (shown(row, name) or either for name in ("static", "kinetic"))
+            # A coefficient of which the source does not say which it is stands in both columns.
+            unspecified = shown(row, "coefficient")
+            default = f"{unspecified} ?" if unspecified else ""
+            static, kinetic = (shown(row, name) or default for name in ("static", "kinetic"))
             rows.append((_name_pair(row), surface, static, kinetic, numbers[row["source"]]))
         console.table(PAIRS, rows)
         if any(row["coefficient"] for row in table["pairs"]):

@@ -160,18 +160,17 @@ def _collect_answers(options: dict[str, str], *, asks: bool) -> dict[str, str]:
                 warnings.append(question.warning(answers[question.name]))
             except UnitError as error:
                 problems.append(Problem(_flag(question.name), error.message, error.fix))
-                if question.choices:  # the others cannot be judged without it
+                if question.choices:  # which other questions apply depends on it
                     break
         elif question.asks and asks and not problems:
             answers[question.name] = _ask(question)
         elif question.asks:
             answers[question.name] = question.default
-    else:
-        problems += [
-            _problem_of_unused(name, answers)
-            for name in options
-            if name not in answers and not problems
-        ]
+    else:  # no invalid choice
+        if not problems:
+            problems = [
+                _problem_of_unused(name, answers) for name in options if name not in answers
+            ]
     if problems:
         refuse({Path("new"): problems})
     warn("new", filter(None, warnings))

@@ -47,13 +47,13 @@ def plan_facts(path: Path, prepared: "Prepared") -> dict[str, Any]:
     return facts | prepared.facts()
 
 
-def show_plan(path: Path, prepared: "Prepared", asked: str | None) -> None:
+def show_plan(path: Path, prepared: "Prepared", units_option: str | None) -> None:
     """Print the plan of a study: cells, bytes, dimensions kept, equations to compute.
 
-    `path` is the study's file; `asked` is the text of `--units`, if given.
+    `path` is the study's file; `units_option` is the text of `--units`, if given.
     """
     plan, facts = prepared.plan, plan_facts(path, prepared)
-    units = units_asked(asked, ",".join(prepared.study.units or ()))
+    units = units_asked(units_option, ",".join(prepared.study.units or ()))
     say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
     say(f"  {prepared.size_in_words}")
     rows = []

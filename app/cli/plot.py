@@ -117,7 +117,7 @@ def plot(
             targets,
             variable=variable,
             axes=tuple(part.strip() for part in axes.split(",")) if axes else None,
-            at=dict(_fixed(text) for text in at or ()),
+            at=dict(_split_assignment(text) for text in at or ()),
             kind=kind,
             slow=slow,
             title=title,
@@ -135,8 +135,8 @@ def plot(
         typer.echo(f"wrote {target}")
 
 
-def _fixed(text: str) -> tuple[str, str]:
-    """Return name and value of an `--at` option typed as `name=value`; exit if it has no `=`."""
+def _split_assignment(text: str) -> tuple[str, str]:
+    """Return name and value of `name=value`, as `--at` takes it; exit without `=`."""
     name, sign, value = text.partition("=")
     if not sign:
         refuse({Path("--at"): [Problem(text, "it has no value", "Write name=value")]})

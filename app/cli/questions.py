@@ -76,13 +76,13 @@ class Question:
 
         text = text.strip()
         if self.choices:
-            chosen = text if text in self.choices else by_synonym(text, self.choices)
-            if chosen is None:
-                message = f"'{text[:40]}' is not one of the answers"
-                choice = f"Please answer {' or '.join(self.choices)}"
-                near = nearest(text, self.choices)
-                raise UnitError(message, f"Did you mean '{near}'?" if near else choice)
-            return chosen
+            choice = text if text in self.choices else by_synonym(text, self.choices)
+            if choice is None:
+                similar = nearest(text, self.choices)
+                all_choices = f"Please answer {' or '.join(self.choices)}"
+                fix = f"Did you mean '{similar}'?" if similar else all_choices
+                raise UnitError(f"'{text[:40]}' is not one of the answers", fix)
+            return choice
         read_number(self.parameter, QUANTITIES[self.parameter], parse_typed(text))
         return text
 

@@ -92,13 +92,13 @@ def _write(
         target.parent.mkdir(parents=True, exist_ok=True)
         with console.progress(path.name) as advance:
             watch = Watch(advance, stopped, time.monotonic() + seconds)
-            measured = measure(prepared, watch)
-        write_netcdf(measured.table(prepared).with_history(f"vibrafeed report {path}"), target)
+            report = measure(prepared, watch)
+        write_netcdf(report.table(prepared).with_history(f"vibrafeed report {path}"), target)
         picture = draw(target, target.with_suffix(".png"), console.fail)
         written += [target, *([picture] if picture else [])]
         title = prepared.study.title or prepared.plan.scene.title
-        sections.append(measured.section(str(path), title, picture.name if picture else None))
+        sections.append(report.section(str(path), title, picture.name if picture else None))
         page = target.parent / PAGE
         with whole(page) as temporary:  # whatever becomes of the next study
-            temporary.write_text(measured.page(sections), encoding="utf-8")
+            temporary.write_text(report.page(sections), encoding="utf-8")
     return [*written, page] if sections else []

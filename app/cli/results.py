@@ -61,14 +61,46 @@ def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, An
     cells : int
         Number of cells of the study.
     """
-    found = {name: _finite_ends(result, name) for name in _outputs(result)}
-    told = (name for name in result.variables if is_regime(name))
-    shares = {name: regime_shares(_regimes_computed(result, name)) for name in told}
-    return _result_document(path, target, result, cells, found, shares)
+    verdicts = (name for name in result.variables if is_regime(name))
+    shares = {name: regime_shares(_regimes_computed(result, name)) for name in verdicts}
+    facts: dict[str, Any] = {
+        "study": str(path),
+        "result": target,
+        "scene": result.attributes["scene"],
+        "cells": cells,
+        "cells_computed": cells - round(cells * share_left_out(result)),
+        "whole": is_whole(result),
+        "outputs": {name: _output_facts(result, name) for name in _outputs(result)},
+        "regimes": shares.get(REGIME, {}),
+        "verdicts": shares,
+        "states": _states(result),
+    }
+    for name in ("criterion", "method", "message", "findings"):
+        if name in result.attributes:
+            facts[name] = result.attributes[name]
+    if "verified_worst" in result.attributes:
+        facts["verified"] = {
+            "cells": int(result.attributes["verified_cells"]),
+            "against": str(result.attributes["verified_against"]),
+            "worst": str(result.attributes["verified_worst"]),
+            "not_verified": not_verified(result),
+        }
+    return facts
+
+
+def _output_facts(result: Table, name: str) -> dict[str, Any]:
+    variable = result.variables[name]
+    facts = {"unit": str(variable.attributes["units"]), "dimensions": [*variable.dims]}
+    verdict = judge_of(variable.attributes, result.variables)
+    if verdict is not None:
+        facts["verdict"] = verdict
+    least, largest = _finite_ends(result, name) or (None, None)
+    is_single = variable.values.size == 1
+    return {**facts, **({"value": least} if is_single else {"least": least, "largest": largest})}
 
 
 def show_result(
-    facts: Mapping[str, Any], result: Table, asked: str | None, *, everything: bool = False
+    facts: Mapping[str, Any], result: Table, units_option: str | None, *, everything: bool = False
 ) -> None:
     """Print a short table of a result: values or ranges, regimes, and what was verified.
 
@@ -78,12 +110,12 @@ def show_result(
         The JSON document of the result.
     result : Table
         The result.
-    asked : str or None
+    units_option : str or None
         The text of `--units`, if given.
     everything : bool
         True to print the outputs that describe the search of an optimum, too.
     """
-    units = units_asked(asked, str(result.attributes.get("shown_units", "")))
+    units = units_asked(units_option, str(result.attributes.get("shown_units", "")))
     if "findings" in result.attributes:
         show_findings(result, units)
         return
@@ -93,10 +125,10 @@ def show_result(
     if "message" in facts:
         say(f"  {facts['criterion']}, method {facts['method']}")
         # The choice itself stands in the table, in the units asked for.
-        told = [one for one in facts["message"].split("; ") if not _CHOICE.match(one)]
-        tell(f"  {'; '.join(told)}")
-    for line in _held_at(result, units):
-        say(f"  {line}")
+        parts = [part for part in facts["message"].split("; ") if not _CHOICE.match(part)]
+        tell(f"  {'; '.join(parts)}")
+    if held_at := _intervals_held_at(result, units):
+        say(f"  {held_at}")
     for line in sentences_on_bands(result):
         tell(f"  {line}")
     if backwards := travel_in_words(result):
@@ -106,11 +138,11 @@ def show_result(
     if fastest := _fastest(result, units):
         tell(f"  {fastest}")
     _show_verified(result)
-    left = facts["cells"] - facts["cells_computed"]
-    if left:
+    missing = facts["cells"] - facts["cells_computed"]
+    if missing:
         fail(
             f"  The run was stopped: {facts['cells_computed']:,} of {facts['cells']:,} cells are "
-            f"computed. In {facts['result']} the other {left:,} are not computed, and marked so."
+            f"computed. In {facts['result']} the other {missing:,} are not computed, and marked so."
         )
     elif not facts["whole"]:
         fail("  The run was stopped: all cells are computed, but not all requested ones verified.")
@@ -135,9 +167,9 @@ def _show_values(
         hidden = set(OF_THE_SEARCH)
         if "objective_left_out" in outputs:  # a statistic over points, which has an error
             hidden.remove("objective_error")
-        outputs = {name: one for name, one in outputs.items() if name not in hidden}
+        outputs = {name: output for name, output in outputs.items() if name not in hidden}
     if is_uncertain(result):
-        outputs = {name: one for name, one in outputs.items() if is_short(name)}
+        outputs = {name: output for name, output in outputs.items() if is_short(name)}
     if is_uncertain(result) and facts["cells"] == 1:
         show_design(result, units)
     else:
@@ -148,67 +180,67 @@ def _show_values(
         if name != "knee":  # a share of points says nothing
             tell(f"  {name}: {_in_words(states, facts['cells'])}")
     for verdict, shares in facts["verdicts"].items():
-        judged = [name for name, one in outputs.items() if one.get("verdict") == verdict]
-        of = judged if len(facts["verdicts"]) > 1 else ()
-        _show_regimes(shares, facts["cells"], "variant" in result.attributes, of)
+        judged = [name for name, output in outputs.items() if output.get("verdict") == verdict]
+        named = judged if len(facts["verdicts"]) > 1 else ()
+        _show_regimes(shares, facts["cells"], "variant" in result.attributes, named)
 
 
-def _held_at(result: Table, units: ShownUnits) -> list[str]:
-    """Return at most one sentence: the outputs of a robust optimum hold at the interval middles.
+def _intervals_held_at(result: Table, units: ShownUnits) -> str:
+    """Return a sentence: the outputs of a robust optimum hold at the middles of the intervals.
 
     An optimisation with uncertain parameters, given as intervals, finds the design that is best
     over the whole range, while the outputs in the result are computed at the middle of each
-    interval. The list is empty for other results. `result` is the table of a study, `units` the
-    units in which values are printed.
+    interval. Other results give an empty text.
     """
     if "optimum_status" not in result.variables:
-        return []
+        return ""
     from vibrafeed.core.study.optimise_study import OptimiseStudy
 
     study = parse_json(str(result.attributes["study"]))
     if not isinstance(study, OptimiseStudy) or not study.intervals():
-        return []
-    middles = {name: nominal(one) for name, one in study.intervals().items()}
-    return [
+        return ""
+    middles = {name: nominal(interval) for name, interval in study.intervals().items()}
+    return (
         f"Outputs are those at {list_choice(middles, units)}; the objective, the margins of limits "
         "and the shares of units that break them count all that is uncertain."
-    ]
+    )
 
 
 def _knee(result: Table, units: ShownUnits) -> str:
     """Return a sentence on the knee of a trade-off front: outputs and choice; empty if none.
 
     The knee is the point of a Pareto front that is farthest from the chord between its ends.
-    `result` is the table of an optimisation, `units` are those for printing.
     """
     knee = result.variables.get("knee")
     if knee is None or np.count_nonzero(knee.values) != 1:
         return ""
     from vibrafeed.core.study.optimise_study import OptimiseStudy, Pareto
 
-    at = int(np.argmax(knee.values))
+    index = int(np.argmax(knee.values))
     study = parse_json(str(result.attributes["study"]))
     if not isinstance(study, OptimiseStudy) or not isinstance(study.criterion, Pareto):
         return ""
-    values = {name: float(one.values.ravel()[at]) for name, one in result.variables.items()
-              if one.dims == knee.dims}  # fmt: skip
-    both = {name: values[name] for name in (study.criterion.output, study.criterion.against)}
-    if not np.isfinite([*both.values()]).all():
+    values = {
+        name: float(variable.values.ravel()[index])
+        for name, variable in result.variables.items()
+        if variable.dims == knee.dims
+    }
+    criteria = {name: values[name] for name in (study.criterion.output, study.criterion.against)}
+    if not np.isfinite([*criteria.values()]).all():
         return ""
     choice = {  # also the angles that a study without variables leaves to the program
         name.removeprefix("best_"): value
         for name, value in values.items()
         if name.startswith("best_")
     }
-    said = "No trade-off: the best" if values["front_points"] == 1 else "Knee of the front"
-    return f"{said}: {list_choice(both, units)}, at {list_choice(choice, units)}."
+    title = "No trade-off: the best" if values["front_points"] == 1 else "Knee of the front"
+    return f"{title}: {list_choice(criteria, units)}, at {list_choice(choice, units)}."
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:
     """Return a sentence on the cell with the largest conveying velocity, and its parameters.
 
     It is empty for a single cell, for optimisations, and for results without a positive velocity.
-    `units` are those for printing.
     """
     speed = result.variables.get("conveying_velocity")
     if speed is None or speed.values.size < 2 or "motion_status" not in result.variables:
@@ -216,16 +248,17 @@ def _fastest(result: Table, units: ShownUnits) -> str:
     if "optimum_status" in result.variables or not (np.nan_to_num(speed.values) > 0).any():
         return ""
     index = np.unravel_index(np.nanargmax(speed.values), speed.values.shape)
-    where = ", ".join(
-        f"{name} {format_value(name, float(result.coordinates[name].values[k]), units)}"
-        for name, k in zip(speed.dims, index, strict=True)
+    place = ", ".join(
+        f"{name} {format_value(name, float(result.coordinates[name].values[position]), units)}"
+        for name, position in zip(speed.dims, index, strict=True)
         if name in QUANTITIES and result.coordinates[name].values.ndim
     )
-    top = format_value("conveying_velocity", float(speed.values[index]), units)
+    fastest = speed.values[index]
+    text = format_value("conveying_velocity", float(fastest), units)
     if width := band_widths(result).get("conveying_velocity"):
-        shown = units.of("m s-1", float(abs(speed.values[index])))
-        top = f"{rounded(shown.factor * speed.values[index], shown.factor * width)} {shown.unit}"
-    return f"Fastest: {top} at {where}." if where else ""
+        shown = units.of("m s-1", float(abs(fastest)))
+        text = f"{rounded(shown.factor * fastest, shown.factor * width)} {shown.unit}"
+    return f"Fastest: {text} at {place}." if place else ""
 
 
 def _regimes_computed(result: Table, verdict: str) -> NDArray[Any]:
@@ -242,75 +275,17 @@ def _regimes_computed(result: Table, verdict: str) -> NDArray[Any]:
 
 
 def _outputs(result: Table) -> dict[str, TableVariable]:
-    return {n: v for n, v in result.variables.items() if "flag_values" not in v.attributes}
-
-
-def _result_document(
-    path: Path,
-    target: str,
-    result: Table,
-    cells: int,
-    states: Mapping[str, Ends],
-    shares: Mapping[str, Mapping[str, float]],
-) -> dict[str, Any]:
-    """Return the result of a study as a JSON document, for `--json` and for printing.
-
-    Parameters
-    ----------
-    path, target : Path, str
-        The study's file, and the path or URL of the result.
-    result : Table
-        The result, with units, dimensions and attributes of the outputs.
-    cells : int
-        Number of cells of the study.
-    states : mapping
-        Smallest and largest finite and valid value of each output; None if it has none.
-    shares : mapping
-        Share of the cells in each regime, 0 to 1, by verdict and regime.
-    """
-    left = round(cells * share_left_out(result))
-    facts: dict[str, Any] = {
-        "study": str(path),
-        "result": target,
-        "scene": result.attributes["scene"],
-        "cells": cells,
-        "cells_computed": cells - left,
-        "whole": is_whole(result),
-        "outputs": {},
-        "regimes": shares.get(REGIME, {}),
-        "verdicts": shares,
-        "states": _states(result),
-    }
-    for name, one in _outputs(result).items():
-        least, largest = states.get(name) or (None, None)
-        values = {"value": least} if one.values.size == 1 else {"least": least, "largest": largest}
-        about = {"unit": str(one.attributes["units"]), "dimensions": [*one.dims]}
-        if (verdict := judge_of(one.attributes, result.variables)) is not None:
-            about["verdict"] = verdict
-        facts["outputs"][name] = {**about, **values}
-    for name in ("criterion", "method", "message", "findings"):
-        if name in result.attributes:
-            facts[name] = result.attributes[name]
-    if "verified_worst" in result.attributes:
-        facts["verified"] = {
-            "cells": int(result.attributes["verified_cells"]),
-            "against": str(result.attributes["verified_against"]),
-            "worst": str(result.attributes["verified_worst"]),
-            "not_verified": not_verified(result),
-        }
-    return facts
+    variables = result.variables.items()
+    return {name: column for name, column in variables if "flag_values" not in column.attributes}
 
 
 def _show_outputs(
     outputs: Mapping[str, Mapping[str, Any]], result: Table, units: ShownUnits
 ) -> None:
-    """Print a table of outputs: one value each for a single design, else their ranges.
-
-    `outputs` are those of the result's JSON document, `units` those for printing.
-    """
-    over, widths = known_between(result.coordinates), band_widths(result)
+    """Print a table of outputs: one value each for a single design, else their ranges."""
+    friction_range, widths = known_between(result.coordinates), band_widths(result)
     if all("value" in column for column in outputs.values()):
-        _show_single(outputs, over, units)
+        _show_single(outputs, friction_range, units)
         return
     ranges = []
     for name, column in outputs.items():
@@ -319,29 +294,34 @@ def _show_outputs(
         if name in widths and None not in pair:
             factor = units.of(column["unit"], max(map(abs, pair))).factor
             least, largest = (rounded(factor * end, factor * widths[name]) for end in pair)
-        ranges.append((name, least, largest, unit, ", ".join(column["dimensions"]) or "none"))
+        dimensions = ", ".join(column["dimensions"]) or "none"
+        ranges.append((name, least, largest, unit, dimensions))
     table(("output", "least", "largest", "unit", "dimensions"), ranges)
 
 
-def _show_single(outputs: Mapping[str, Mapping[str, Any]], over: str, units: ShownUnits) -> None:
-    rows, ends = [], {f"{name}_{end}" for name in outputs for end in ENDS}
+def _show_single(
+    outputs: Mapping[str, Mapping[str, Any]], friction_range: str, units: ShownUnits
+) -> None:
+    """Print a table of the outputs of a single design; with a range of friction, their bands."""
+    rows, band_ends = [], {f"{name}_{end}" for name in outputs for end in ENDS}
     for name, column in outputs.items():
-        if name in ends:
+        if name in band_ends:  # it is printed beside its output
             continue
         band = [outputs[f"{name}_{end}"]["value"] for end in ENDS if f"{name}_{end}" in outputs]
         unit, value, _ = shown_range(column["unit"], column["value"], column["value"], units)
-        between = ""
+        band_text = ""
         if band and None not in band and column["value"] is not None:
             factor = units.of(column["unit"], max(map(abs, band))).factor
             width = factor * (band[1] - band[0])
             value = rounded(factor * column["value"], width)
-            between = " to ".join(rounded(factor * end, width) for end in band)
-        rows.append((name, value, between, unit) if over else (name, value, unit))
-    table(("output", "value", f"for {over}", "unit") if over else ("output", "value", "unit"), rows)
+            band_text = " to ".join(rounded(factor * end, width) for end in band)
+        rows.append((name, value, band_text, unit) if friction_range else (name, value, unit))
+    band_heading = (f"for {friction_range}",) if friction_range else ()
+    table(("output", "value", *band_heading, "unit"), rows)
 
 
 def _show_regimes(
-    shares: Mapping[str, float], cells: int, closed_forms: bool, of: Sequence[str]
+    shares: Mapping[str, float], cells: int, closed_forms: bool, outputs: Sequence[str]
 ) -> None:
     """Print each regime that occurs with its share of the cells, and the share of invalid ones.
 
@@ -355,23 +335,23 @@ def _show_regimes(
     closed_forms : bool
         True for a result of formulas, which do not describe a real part in an invalid regime; False
         for a simulated motion, which has no mean velocity in one.
-    of : sequence of str
+    outputs : sequence of str
         The outputs that they judge; none are named if they judge all.
     """
     if not shares:
         return
-    what = "regime" if cells == 1 else "regimes"
-    named = f" of {', '.join(of)}" if of else ""
-    tell(f"  {what}{named}: {_in_words(shares, cells)}")
-    beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
-    which = "This design has" if cells == 1 else f"{_percent(beyond)} of the cells have"
-    if beyond and not closed_forms:
-        say(f"  {which} no mean velocity.")
-    elif beyond:
-        which = "This design lies" if cells == 1 else f"{_percent(beyond)} of the cells lie"
-        if of:
-            which = f"For {', '.join(of)}, {which[:1].lower()}{which[1:]}"
-        say(f"  {which} where the closed forms do not describe a real part.")
+    noun = "regime" if cells == 1 else "regimes"
+    names = ", ".join(outputs)
+    tell(f"  {noun}{f' of {names}' if names else ''}: {_in_words(shares, cells)}")
+    invalid = sum(share for name, share in shares.items() if not REGIMES[name].valid)
+    if invalid and not closed_forms:
+        subject = "This design has" if cells == 1 else f"{_percent(invalid)} of the cells have"
+        say(f"  {subject} no mean velocity.")
+    elif invalid:
+        subject = "This design lies" if cells == 1 else f"{_percent(invalid)} of the cells lie"
+        if names:
+            subject = f"For {names}, {subject[:1].lower()}{subject[1:]}"
+        say(f"  {subject} where the closed forms do not describe a real part.")
 
 
 def _states(result: Table) -> dict[str, dict[str, float]]:
@@ -382,16 +362,15 @@ def _states(result: Table) -> dict[str, dict[str, float]]:
     """
     states = {}
     for name, column in result.variables.items():
-        is_told = (
-            is_regime(name) or name in STATUSES or name not in QUANTITIES
-        )  # such as which bound binds
-        if "flag_values" not in column.attributes or is_told:
+        # Not a quantity is, for example, which bound binds.
+        is_left_out = is_regime(name) or name in STATUSES or name not in QUANTITIES
+        if "flag_values" not in column.attributes or is_left_out:
             continue
-        by_value = flags_of(column.attributes)
-        numbers, counts = np.unique(column.values, return_counts=True)
+        state_names = flags_of(column.attributes)
+        values, counts = np.unique(column.values, return_counts=True)
         states[name] = {
-            by_value[number]: count / column.values.size
-            for number, count in zip(numbers.tolist(), counts.tolist(), strict=True)
+            state_names[value]: count / column.values.size
+            for value, count in zip(values.tolist(), counts.tolist(), strict=True)
         }
     return states
 
@@ -448,7 +427,7 @@ def _finite_ends(result: Table, name: str) -> Ends:
     return float(least), float(largest)
 
 
-def more(prepared: Prepared, checked: float) -> Iterator[str]:
+def verbose_lines(prepared: Prepared, checked: float) -> Iterator[str]:
     """Yield the lines that `--verbose` prints about a study in addition to its result.
 
     Parameters

@@ -133,9 +133,10 @@ def run(
     from vibrafeed.app.cli.units import units_asked
     from vibrafeed.core.dataset.files import Storage
 
-    is_standard = output is not None and (output == "-" or output.startswith("-."))
-    to_standard = is_standard and not dry_run
-    _refuse_together(as_json=as_json, to_standard=to_standard)
+    names_standard = output is not None and (output == "-" or output.startswith("-."))
+    to_standard = names_standard and not dry_run
+    if to_standard and as_json:
+        _refuse_json_beside_result()
     began = time.perf_counter()
     units_asked(units)
     with console.muted(quiet or as_json or to_standard):
@@ -156,9 +157,9 @@ def run(
         with (
             standard_output(output, len(studies))
             if to_standard and output
-            else nullcontext(output) as place
+            else nullcontext(output) as destination
         ):
-            targets = targets_of(studies, place)
+            targets = targets_of(studies, destination)
             refuse_choices(running.storage, targets.values())
             complete = complete_already(studies, targets, resume=resume, force=force)
             try:
@@ -166,8 +167,8 @@ def run(
                     sound = running.carry_out(studies, targets, complete)
             finally:
                 if as_json:
-                    told = [studies.with_warnings(facts) for facts in running.facts]
-                    console.document(_document("results", told, studies))
+                    results = [studies.with_warnings(facts) for facts in running.facts]
+                    console.document(_document("results", results, studies))
     if not sound:
         raise typer.Exit(FAILED)
     if studies.refused:
@@ -184,8 +185,8 @@ def _count_warnings(studies: Batch) -> None:
         typer.echo(studies.count_of_warnings, err=True)
 
 
-def _document(what: str, told: list[dict[str, Any]], studies: Batch) -> dict[str, Any]:
-    return {"vibrafeed": core.__version__, what: told, "refused": studies.refusals()}
+def _document(heading: str, documents: list[dict[str, Any]], studies: Batch) -> dict[str, Any]:
+    return {"vibrafeed": core.__version__, heading: documents, "refused": studies.refusals()}
 
 
 def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
@@ -196,11 +197,11 @@ def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
     from vibrafeed.app.cli import plans
 
     if as_json:
-        told = [
+        documents = [
             studies.with_warnings(plans.plan_facts(path, prepared))
             for path, prepared in studies.items()
         ]
-        console.document(_document("plans", told, studies))
+        console.document(_document("plans", documents, studies))
         return
     for path, prepared in studies.items():
         plans.show_plan(path, prepared, units)
@@ -223,7 +224,8 @@ def cluster(
     problems = {}
     for path, prepared in studies.items():
         is_reduced = getattr(prepared.study, "reduce", None) is not None
-        if not is_reduced and not (prepared.not_lazy is None and is_zarr(targets[path])):
+        is_in_blocks = prepared.not_lazy is None and is_zarr(targets[path])
+        if not (is_reduced or is_in_blocks):
             message = "a cluster computes sweeps and simulations to Zarr, and studies with [reduce]"
             fix = "Write to Zarr (-o result.zarr), or leave out --scheduler"
             problems[path] = [Problem("--scheduler", message, fix)]
@@ -238,9 +240,9 @@ def cluster(
             )
         except (OSError, ValueError, TypeError) as error:
             # Dask says of missing certificates that something has another type.
-            why = "it talks TLS, and the settings of Dask name no certificates (docs/scale.md)"
-            told = why if isinstance(error, TypeError) else error
-            console.fail(f"{address} cannot be reached: {told}.")
+            uses_tls = "it talks TLS, and the settings of Dask name no certificates (docs/scale.md)"
+            reason = uses_tls if isinstance(error, TypeError) else error
+            console.fail(f"{address} cannot be reached: {reason}.")
             raise typer.Exit(FAILED) from None
         before = lazy.dataset.SCHEDULER.set(client)
         try:
@@ -250,15 +252,10 @@ def cluster(
             lazy.dataset.SCHEDULER.reset(before)
 
 
-def _refuse_together(*, as_json: bool, to_standard: bool) -> None:
-    if to_standard and as_json:
-        message = (
-            "standard output cannot take both the JSON document (--json) and the result (-o -)"
-        )
-        problem = Problem(
-            "--json", message, "Leave out --json, or write the result to a file: -o result.csv"
-        )
-        refuse({Path("options"): [problem]})
+def _refuse_json_beside_result() -> None:
+    message = "standard output cannot take both the JSON document (--json) and the result (-o -)"
+    fix = "Leave out --json, or write the result to a file: -o result.csv"
+    refuse({Path("options"): [Problem("--json", message, fix)]})
 
 
 @contextmanager

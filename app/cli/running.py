@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.by_kind import is_infeasible, nearest
+from vibrafeed.app.cli.by_kind import describe_nearest, is_infeasible
 from vibrafeed.app.cli.options import FAILED
-from vibrafeed.app.cli.results import facts_of, more, show_result
+from vibrafeed.app.cli.results import facts_of, show_result, verbose_lines
 from vibrafeed.app.cli.studies import (
     INTERRUPTED,
     interruptible_compiler,
@@ -97,16 +97,16 @@ class Running:
         bool
             True if all results are complete and verified.
         """
-        verified, left = True, list(studies)
+        verified, remaining = True, list(studies)
         for path, prepared in studies.items():
             target = targets[path]
             if path in complete:
                 console.say(f"{path}: {target} is complete already")
                 self.facts.append({"study": str(path), "result": target, "complete_before": True})
-                left.remove(path)
+                remaining.remove(path)
                 continue
             if is_stored_in_blocks(prepared, target):
-                left.remove(path)
+                remaining.remove(path)  # if it is stopped, its own message says how to go on
                 whole, is_verified, facts = run_large(
                     path,
                     prepared,
@@ -129,12 +129,14 @@ class Running:
                 break
             is_verified, interrupted = computed
             verified &= is_verified
-            left.remove(path)
+            remaining.remove(path)
             if interrupted:
                 break
-        if left:
-            console.fail(f"The run was stopped: not carried out are {', '.join(map(str, left))}.")
-        return verified and not left
+        if remaining:
+            console.fail(
+                f"The run was stopped: not carried out are {', '.join(map(str, remaining))}."
+            )
+        return verified and not remaining
 
     def _carry_out_study(
         self, path: Path, prepared: Prepared, target: str
@@ -156,7 +158,7 @@ class Running:
             True if the result is complete and verified; True if Ctrl-C was pressed.
         """
         refuse_beyond_memory(path, prepared)
-        compiled = stopwatch.spent
+        compiling_before = stopwatch.spent
         begun = threading.Event()
         stopped_early = f"{path}: it was stopped before a cell was computed; nothing is written."
         with (
@@ -165,13 +167,9 @@ class Running:
             interruptible_compiler(stopped_early),
         ):
 
-            def progress(share: float) -> None:
-                """Advance the progress bar by a share of the work.
-
-                Note that computing has begun.
-                """
-                begun.set()
-                advance(share)
+            def progress(fraction: float) -> None:
+                begun.set()  # from now on Ctrl-C keeps what is computed
+                advance(fraction)
 
             try:
                 table = kinds.tabulate(prepared, Watch(progress, interrupted, self.deadline))
@@ -179,28 +177,28 @@ class Running:
                 console.fail(f"{path}: {stopped}; nothing is written.")
                 return None
             except KeyboardInterrupt:
-                at_once = f"{path}: it was stopped at once; nothing is written."
-                console.fail(at_once if begun.is_set() else stopped_early)
+                stopped_amid = f"{path}: it was stopped at once; nothing is written."
+                console.fail(stopped_amid if begun.is_set() else stopped_early)
                 raise typer.Exit(INTERRUPTED) from None
         if kinds.share_left_out(table) == 1:
             console.fail(stopped_early)
             return None
         target = kept_apart(target) if not kinds.is_whole(table) else target
-        evaluated = time.perf_counter()
+        began_writing = time.perf_counter()
         write_or_exit(path, table, target, history_of(path), self.storage)
         seconds = {
             "computing": float(table.price["elapsed_seconds"]),
-            "compiling": stopwatch.spent - compiled,
-            "writing": time.perf_counter() - evaluated,
+            "compiling": stopwatch.spent - compiling_before,
+            "writing": time.perf_counter() - began_writing,
         }
         facts = facts_of(path, target, table, cells_of(prepared, table)) | {"seconds": seconds}
         self.facts.append(facts)
         self.solved &= not is_infeasible(table)
         console.say(f"{path} -> {target}")
         show_result(facts, table, self.units, everything=self.checked is not None)
-        began = time.perf_counter()
-        if lines := nearest(table, units_asked(self.units), self.deadline):
-            seconds["searching"] = time.perf_counter() - began
+        began_searching = time.perf_counter()
+        if lines := describe_nearest(table, units_asked(self.units), self.deadline):
+            seconds["searching"] = time.perf_counter() - began_searching
         for line in lines:
             console.tell(f"  {line}")
         if facts["cells_computed"] < facts["cells"]:
@@ -208,24 +206,28 @@ class Running:
             console.fail(f"  The same command with {options} computes the whole study again.")
             if prepared.not_lazy is None:
                 console.fail("  A run to Zarr (-o result.zarr) goes on where it was stopped.")
-        done, cells = facts["cells_computed"], facts["cells"]
-        of = f"{done:,} of {cells:,}" if done < cells else f"{cells:,}"
-        noun = "cell" if cells == 1 else "cells"
-        searching = seconds.get("searching", 0.0)
-        searched = f"nearest designs searched in {searching:.3f} s, " if searching else ""
-        console.say(
-            f"  {of} {noun} evaluated in {seconds['computing']:.3f} s, {searched}"
-            f"written in {seconds['writing']:.3f} s"
-        )
-        if seconds["compiling"]:
-            console.say(f"  compiled in {seconds['compiling']:.1f} s: once, it is kept")
+        _say_seconds(facts)
         self._say_more(prepared)
         return kinds.is_whole(table) and not kinds.not_verified(table), interrupted()
 
     def _say_more(self, prepared: Prepared) -> None:
         if self.checked is not None:
-            for line in more(prepared, self.checked):
+            for line in verbose_lines(prepared, self.checked):
                 console.tell(line)
+
+
+def _say_seconds(facts: Mapping[str, Any]) -> None:
+    done, cells, seconds = facts["cells_computed"], facts["cells"], facts["seconds"]
+    evaluated = f"{done:,} of {cells:,}" if done < cells else f"{cells:,}"
+    noun = "cell" if cells == 1 else "cells"
+    searching = seconds.get("searching", 0.0)
+    searched = f"nearest designs searched in {searching:.3f} s, " if searching else ""
+    console.say(
+        f"  {evaluated} {noun} evaluated in {seconds['computing']:.3f} s, {searched}"
+        f"written in {seconds['writing']:.3f} s"
+    )
+    if seconds["compiling"]:
+        console.say(f"  compiled in {seconds['compiling']:.1f} s: once, it is kept")
 
 
 def history_of(path: Path) -> str:
@@ -299,7 +301,7 @@ def run_large(
             watch = Watch(advance, interrupted, deadline)
             try:
                 if is_zarr(target):
-                    _to_zarr(prepared, table, target, watch, history, resume=resume)
+                    _store_zarr(prepared, table, target, watch, history, resume=resume)
                 else:
                     lazy.store.store_netcdf(
                         prepared, table, Path(target), watch,
@@ -321,7 +323,7 @@ def run_large(
     return True, not kinds.not_verified(table), facts
 
 
-def _to_zarr(
+def _store_zarr(
     prepared: Prepared, table: Table, target: str, watch: Watch, history: str, *, resume: bool
 ) -> None:
     group = lazy.store.ZarrStore(prepared, target)
@@ -332,6 +334,7 @@ def _to_zarr(
         done = blocks - missing
         console.say(f"  continuing: {done:,} of {blocks:,} blocks were done before")
     group.store(watch)
+    # What the study took is known only if all of it was computed now.
     cost = run_cost(prepared.cells, time.perf_counter() - started) if missing == blocks else {}
     group.finish({"history": history, **cost})
 
@@ -354,7 +357,7 @@ def _reporting(path: Path, target: str) -> Iterator[None]:
 
 
 def _check_disk_space(path: Path, prepared: Prepared, target: str) -> None:
-    """Print the size of a result; exit if the disk has less room than a quarter of it."""
+    """Print the size of a result; exit if even compressed it would not fit on the disk."""
     size = prepared.bytes
     line = f"{path}: {prepared.cells:,} cells, {size:,} bytes before compression"
     if not is_zarr(target):
@@ -365,16 +368,16 @@ def _check_disk_space(path: Path, prepared: Prepared, target: str) -> None:
     file = Path(target)
     free = shutil.disk_usage(file.parent).free
     console.say(f"{line}; {_gb(free)} are free")
-    begun = partial(file)
-    if begun.exists():  # what it takes is used again, or given back
-        free += sum(one.stat().st_size for one in begun.rglob("*") if one.is_file())
-    if size > SMALLEST_SHARE * free:
+    unfinished = partial(file)
+    if unfinished.exists():  # what it takes is used again, or given back
+        free += sum(part.stat().st_size for part in unfinished.rglob("*") if part.is_file())
+    if size > MAX_TIMES_FREE * free:
         message = f"it takes {_gb(size)} before compression; the disk of {file.parent} has "
-        fix = prepared.what_fits(SMALLEST_SHARE * free / size)
+        fix = prepared.what_fits(MAX_TIMES_FREE * free / size)
         refuse({path: [Problem("output", message + _gb(free), fix)]})
 
 
-SMALLEST_SHARE = 8.0
+MAX_TIMES_FREE = 8.0
 """Times the free space that a result may have before compression: no result was packed better."""
 
 
@@ -385,13 +388,15 @@ def _say_how_to_go_on(path: Path, target: str, prepared: Prepared) -> None:
     group = lazy.store.ZarrStore(prepared, target)
     blocks = len(group.blocks)
     done = blocks - len(group.missing())
-    share = round(prepared.cells * done / blocks)
+    cells_done = round(prepared.cells * done / blocks)
     console.fail(
         f"{path}: it was stopped; {done:,} of {blocks:,} blocks are done, about "
-        f"{share:,} of {prepared.cells:,} cells."
+        f"{cells_done:,} of {prepared.cells:,} cells."
     )
-    where = target if "://" in target else partial(Path(target))
-    console.fail(f"What is done is kept in {where}. To go on, give the same command with --resume.")
+    location = target if "://" in target else partial(Path(target))
+    console.fail(
+        f"What is done is kept in {location}. To go on, give the same command with --resume."
+    )
 
 
 def _gb(size: float) -> str:

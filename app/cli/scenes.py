@@ -1,5 +1,6 @@
 """`vibrafeed scenes`: the catalogue."""
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -52,9 +53,9 @@ def scenes(
     from vibrafeed.core.catalogue import describe, describe_all
 
     if schema:
-        from vibrafeed.app.kept_texts import study_schema_text  # it takes a second to make
+        from vibrafeed.core.schema import study_schema  # it loads half of core
 
-        typer.echo(study_schema_text())
+        typer.echo(json.dumps(study_schema(), indent=0))
         return
     shown = units_asked(units)
     try:

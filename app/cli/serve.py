@@ -143,10 +143,12 @@ def _check_address(host: str, port: int) -> None:
         socket.create_server((host, port), family=family).close()
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
-            why = f"Port {port} of {host} is taken. Stop what listens there, or give another --port"
+            reason = (
+                f"Port {port} of {host} is taken. Stop what listens there, or give another --port"
+            )
         else:
-            why = f"{host}, port {port}, cannot be listened on: {error.strerror or error}"
-        console.fail(f"{why}.")
+            reason = f"{host}, port {port}, cannot be listened on: {error.strerror or error}"
+        console.fail(f"{reason}.")
         raise typer.Exit(INVALID_INPUT) from None
 
 
@@ -163,14 +165,14 @@ def _check_keys(settings: Settings, host: str, new_ledger: bool) -> None:
 
     if is_loopback(host):
         return
-    where = settings.ledger
-    if isinstance(where, str) or where.exists():
-        ledger = Ledger(where)
+    location = settings.ledger
+    if isinstance(location, str) or location.exists():
+        ledger = Ledger(location)
         keys = Keys(ledger.database)
         try:
             if not new_ledger:  # a key made now would hide that others are lost
                 _check_entries(settings, ledger)
-            keys.look()
+            keys.refresh()
         except (OSError, sqlite3.DatabaseError, LaterLedgerError):
             return  # `_check_ledger` says why, and nothing is served
         finally:
@@ -194,8 +196,8 @@ def _check_directory(directory: Path) -> None:
         _refuse_directory(directory, "it is not a directory", "Set")
     except OSError as error:
         is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-        first = f"Make room there, {LEDGER_BYTES:,} bytes at least, or set" if is_full else "Set"
-        _refuse_directory(directory, error.strerror or str(error), first)
+        advice = f"Make room there, {LEDGER_BYTES:,} bytes at least, or set" if is_full else "Set"
+        _refuse_directory(directory, error.strerror or str(error), advice)
 
 
 def _choose_temporary_folder(directory: Path) -> None:
@@ -207,8 +209,8 @@ def _choose_temporary_folder(directory: Path) -> None:
         try:
             temporary.mkdir(exist_ok=True)
         except OSError as error:
-            why = f"it can hold no folder for temporary files: {error.strerror}"
-            _refuse_directory(directory, why, "Set TMPDIR to another folder, or set")
+            reason = f"it can hold no folder for temporary files: {error.strerror}"
+            _refuse_directory(directory, reason, "Set TMPDIR to another folder, or set")
         os.environ["TMPDIR"] = str(temporary)  # of the workers too
 
 
@@ -223,7 +225,7 @@ def _check_ledger(settings: Settings, ledger: Ledger, new_ledger: bool) -> None:
 
     try:
         with ledger.transaction():
-            pass  # what can begin a change can be opened and written
+            pass  # a ledger in which a write transaction begins can be opened and written
         ledger.database.check()
     except DamagedLedgerError as error:
         console.fail(
@@ -233,14 +235,14 @@ def _check_ledger(settings: Settings, ledger: Ledger, new_ledger: bool) -> None:
         raise typer.Exit(INVALID_INPUT) from None
     except (OSError, sqlite3.DatabaseError, LaterLedgerError) as error:
         text = error.strerror if isinstance(error, OSError) else None
-        why = " ".join((text or str(error)).split())
+        reason = " ".join((text or str(error)).split())
         if settings.ledger_url is None:
             directory = settings.data_directory.absolute()
             _refuse_directory(
-                directory, f"its jobs.sqlite3: {why}", "Free, fix or move that file, or set"
+                directory, f"its jobs.sqlite3: {reason}", "Free, fix or move that file, or set"
             )
         console.fail(
-            f"The ledger of VIBRAFEED_LEDGER_URL cannot be used: {why}. Start or fix that "
+            f"The ledger of VIBRAFEED_LEDGER_URL cannot be used: {reason}. Start or fix that "
             "database, or leave the setting out to keep the ledger in the data directory."
         )
         raise typer.Exit(INVALID_INPUT) from None
@@ -266,11 +268,11 @@ def _ledger_location(settings: Settings) -> str:
     return "the database of VIBRAFEED_LEDGER_URL"
 
 
-def _refuse_directory(directory: Path, why: str, first: str) -> NoReturn:
+def _refuse_directory(directory: Path, reason: str, advice: str) -> NoReturn:
     """Print why the data directory cannot be used and which setting to change; exit.
 
-    `why` is the reason; `first` begins the advice, such as "Set".
+    `advice` is its beginning, such as "Set".
     """
-    fix = f"{first} VIBRAFEED_DATA_DIRECTORY to a directory that can be written"
-    console.fail(f"The data directory {directory} cannot be used: {why}. {fix}.")
+    fix = f"{advice} VIBRAFEED_DATA_DIRECTORY to a directory that can be written"
+    console.fail(f"The data directory {directory} cannot be used: {reason}. {fix}.")
     raise typer.Exit(INVALID_INPUT)

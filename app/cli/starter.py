@@ -1,7 +1,7 @@
 """The study that `vibrafeed new` writes: answers in, commented TOML out."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final
@@ -149,10 +149,10 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
     """
     starter, scene = STARTERS[answers["question"]], scene_of(answers)
     document = tomlkit.document()
-    _say(document, "\n".join(starter.says))
+    _add_comment(document, "\n".join(starter.says))
     method = " --method events" if starter.kind != "sweep" else ""
-    _say(document, f"\nCarry it out:              vibrafeed run {file}")
-    _say(document, f"Other outputs, parameters: vibrafeed scenes {scene}{method}")
+    _add_comment(document, f"\nCarry it out:              vibrafeed run {file}")
+    _add_comment(document, f"Other outputs, parameters: vibrafeed scenes {scene}{method}")
     document.add(tomlkit.nl())
     document.add("kind", tomlkit.item(starter.kind).comment(starter.kind_says))
     document.add("scene", tomlkit.item(scene))
@@ -162,31 +162,35 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
         unit = SI.get(quantity.unit, quantity.unit)
         outputs.add_line(name, comment=quantity.description[:-1] + (f" [{unit}]" if unit else ""))
     document.add("outputs", outputs.multiline(True))
-    more = _wishes(answers)
-    if "robust" in more:
+    tables = _tables_of_answers(answers)
+    if "robust" in tables:
         document.add("robust", tomlkit.item("worst").comment("the worst case over [uncertain]"))
-    for name, content in {**starter.tables, **more}.items():
-        says = starter.tables_say.get(name, "")
-        if name in more:
-            says = TABLES_SAY.get((name, answers.get("path")), says)
+    for name, content in {**starter.tables, **tables}.items():
+        comment = starter.tables_say.get(name, "")
+        if name in tables:
+            comment = TABLES_SAY.get((name, answers.get("path")), comment)
         if name == "constraints":
             document.add(name, _constraints(content))
-        elif name not in ("", "robust"):
-            document.add(name, _table(says or TABLES_SAY[name, None], content))
+        elif name != "robust":
+            document.add(name, _table(comment or TABLES_SAY[name, None], content))
+    replaced = {*tables.get("uncertain", ()), *(AMPLITUDES if "variables" in tables else ())}
+    document.add("parameters", _parameters(answers, replaced))
+    return tomlkit.dumps(document)
+
+
+def _parameters(answers: Mapping[str, str], replaced: Container[str]) -> Any:
+    """Return the TOML table of the parameters in answers, but those that others have replaced."""
     table = _table(RANGES, {})
     for question in QUESTIONS:
-        if question.parameter and question.name in answers and question.belongs(answers):
-            if question.parameter in more.get("uncertain", {}) or question.name in more.get("", ()):
-                continue
-            _say(table, question.says)
+        is_answered = question.name in answers and question.belongs(answers)
+        if question.parameter and question.parameter not in replaced and is_answered:
+            _add_comment(table, question.says)
             value: Any = parse_typed(answers[question.name])
             if question.values > 1:
-                span = tomlkit.inline_table()
-                span.update({"start": 0, "stop": value, "num": question.values})
-                value = span
+                stop, value = value, tomlkit.inline_table()
+                value.update({"start": 0, "stop": stop, "num": question.values})
             table.add(question.parameter, value)
-    document.add("parameters", table)
-    return tomlkit.dumps(document)
+    return table
 
 
 TABLES_SAY: Final = {
@@ -199,24 +203,26 @@ TABLES_SAY: Final = {
 """What is said at the head of a table that an answer changes."""
 
 
-def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
-    """Return the TOML tables of an optimisation, from the answers about the best drive.
+AMPLITUDES: Final = ("amplitude", "peak_to_peak")
+"""Parameters that are not fixed in a study whose amplitude is a variable."""
 
-    They are by the names of the tables; `robust` is a plain key of the study. Under the empty name
-    are the questions whose parameters are variables now and not fixed. `answers` are by question.
+
+def _tables_of_answers(answers: Mapping[str, str]) -> dict[str, Any]:
+    """Return the TOML tables of an optimisation, by name, from the answers about the best drive.
+
+    `robust` is a plain key of the study.
     """
-    wishes: dict[str, Any] = {}
-    stays = answers.get("hop") == "no"
-    if stays:
-        wishes["constraints"] = [{"output": "throw_number", "upper": 1}]
-    if stays or answers.get("path") == "ellipse":
-        wishes["variables"] = _variables(answers)
-        wishes[""] = ("amplitude", "peak_to_peak")
+    tables: dict[str, Any] = {}
+    may_hop = answers.get("hop") != "no"
+    if not may_hop:
+        tables["constraints"] = [{"output": "throw_number", "upper": 1}]
+    if not may_hop or answers.get("path") == "ellipse":
+        tables["variables"] = _variables(answers)
     if answers.get("known") == "roughly":
         friction = float(answers["friction"])
-        ends = {"lower": round(0.8 * friction, 6), "upper": round(1.2 * friction, 6)}
-        wishes |= {"robust": "worst", "uncertain": {"friction": ends}}
-    return wishes
+        bounds = {"lower": round(0.8 * friction, 6), "upper": round(1.2 * friction, 6)}
+        tables |= {"robust": "worst", "uncertain": {"friction": bounds}}
+    return tables
 
 
 def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
@@ -226,16 +232,19 @@ def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
     question; a drive along an ellipse has three variables.
     """
     largest = answers.get("amplitude")
-    if largest is None:  # a stroke, from end to end
-        stroke = parse_typed(answers["peak_to_peak"])
-        half = read_number("peak_to_peak", QUANTITIES["peak_to_peak"], stroke) / 2
-        largest = f"{1e3 * half:.6g} mm"
+    if largest is None:
+        typed = parse_typed(answers["peak_to_peak"])
+        stroke = read_number("peak_to_peak", QUANTITIES["peak_to_peak"], typed)  # m
+        largest = f"{1e3 * stroke / 2:.6g} mm"
     if answers.get("path") == "ellipse":
-        axis = {"lower": "0 mm", "upper": largest}
-        turn = {"lower": "0 deg", "upper": "360 deg"}
-        return {"amplitude_along_1": axis, "amplitude_normal_1": axis, "phase_normal_1": turn}
-    size = {"lower": "0.01 mm", "upper": largest}
-    return {"amplitude": size, **STARTERS["drive"].tables["variables"]}
+        amplitude = {"lower": "0 mm", "upper": largest}
+        return {
+            "amplitude_along_1": amplitude,
+            "amplitude_normal_1": amplitude,
+            "phase_normal_1": {"lower": "0 deg", "upper": "360 deg"},
+        }
+    amplitude = {"lower": "0.01 mm", "upper": largest}
+    return {"amplitude": amplitude, **STARTERS["drive"].tables["variables"]}
 
 
 def _constraints(rows: Sequence[Mapping[str, Any]]) -> Any:
@@ -252,24 +261,21 @@ def example_study(kind: str, file: str) -> str:
     `file` is the name that the study will have.
     """
     record = KINDS[kind]
-    said = [f"{record.title}.", *textwrap.wrap(record.description, WIDTH)]
-    lines = [*said, "", f"Carry it out: vibrafeed run {file}"]
-    head = "".join(f"# {line}".rstrip() + "\n" for line in lines)
-    return f"{head}\n{to_toml(record.example)}"
+    description = [f"{record.title}.", *textwrap.wrap(record.description, WIDTH)]
+    lines = [*description, "", f"Carry it out: vibrafeed run {file}"]
+    comments = "".join(f"# {line}".rstrip() + "\n" for line in lines)
+    return f"{comments}\n{to_toml(record.example)}"
 
 
-def _say(container: Any, text: str) -> None:
+def _add_comment(container: Any, text: str) -> None:
     for line in text.split("\n"):
         container.add(tomlkit.comment(line))
 
 
-def _table(says: str, content: Mapping[str, Any]) -> Any:
-    """Return a TOML table that begins with comment lines and has each value on one line.
-
-    `says` is the comment, `content` the values by key; a mapping becomes an inline table.
-    """
+def _table(comment: str, content: Mapping[str, Any]) -> Any:
+    """Return a TOML table that begins with a comment; mappings in it become inline tables."""
     table = tomlkit.table()
-    _say(table, says)
+    _add_comment(table, comment)
     for name, value in content.items():
         if isinstance(value, Mapping):
             inline = tomlkit.inline_table()

@@ -45,14 +45,14 @@ class Batch(dict[Path, "Prepared"]):
     @property
     def count_of_warnings(self) -> str:
         """The number of warnings, as in "2 warnings in 1 of 10 studies"; empty without any."""
-        count, of = sum(map(len, self.warnings.values())), len(self)
-        where = f" in {len(self.warnings):,} of {of:,} studies" if of > 1 else ""
-        return f"{count:,} warning{'s' * (count > 1)}{where}" if count else ""
+        count, studies = sum(map(len, self.warnings.values())), len(self)
+        suffix = f" in {len(self.warnings):,} of {studies:,} studies" if studies > 1 else ""
+        return f"{count:,} warning{'s' * (count > 1)}{suffix}" if count else ""
 
     def refusals(self) -> list[dict[str, Any]]:
         """Return the studies that were refused, for programs, each with its problems."""
         return [
-            {"study": str(path), "errors": [one.document() for one in problems]}
+            {"study": str(path), "errors": [problem.document() for problem in problems]}
             for path, problems in self.refused.items()
         ]
 
@@ -190,17 +190,17 @@ def interruption(
     `KeyboardInterrupt`. So does the first if there is nothing to keep: if `gently` is False, or
     `has_begun` returns False.
     """
-    asked = threading.Event()
+    pressed = threading.Event()
 
     def interrupt(number: int, frame: object) -> None:
         """Handle Ctrl-C: stop gently at first, at once if pressed again or before the start."""
-        if asked.is_set() or not gently or not has_begun():
+        if pressed.is_set() or not gently or not has_begun():
             raise KeyboardInterrupt
-        asked.set()
+        pressed.set()
 
     before = signal.signal(signal.SIGINT, interrupt)
     try:
-        yield asked.is_set
+        yield pressed.is_set
     finally:
         signal.signal(signal.SIGINT, before)
 
@@ -217,11 +217,8 @@ def interruptible_compiler(last_words: str) -> Iterator[None]:
     if hasattr(os, "set_blocking"):  # Windows, before Python 3.12, wants no such pipe
         os.set_blocking(writer, False)
 
-    def read() -> None:
-        """Wait for signals.
-
-        End the program if Ctrl-C comes while compiled code cannot notice it.
-        """
+    def watch_signals() -> None:
+        """End the program if Ctrl-C comes while LLVM compiles."""
         while number := os.read(reader, 1):
             if number[0] == signal.SIGINT and stopwatch.is_running:
                 time.sleep(PYTHONS_TURN)
@@ -232,7 +229,7 @@ def interruptible_compiler(last_words: str) -> Iterator[None]:
         os.close(reader)
 
     before = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
-    threading.Thread(target=read, name="interrupts", daemon=True).start()
+    threading.Thread(target=watch_signals, name="interrupts", daemon=True).start()
     try:
         yield
     finally:

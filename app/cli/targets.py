@@ -72,8 +72,8 @@ def check_suffix(output: str) -> None:
     problem = None
     if suffix not in FORMATS:
         message = f"'{suffix}': unknown format"
-        meant = nearest(suffix, FORMATS)
-        hint = f"Did you mean {meant}? " if meant else ""
+        similar = nearest(suffix, FORMATS)
+        hint = f"Did you mean {similar}? " if similar else ""
         fix = f"{hint}End it in {known_suffixes()}, or in / if it is a folder"
         problem = Problem("output", message, fix)
     else:
@@ -96,7 +96,7 @@ def refuse_choices(storage: Storage, targets: Iterable[str]) -> None:
     for option, (is_given, suffix) in given.items():
         fix = f"Leave it out, or give the output a name that ends in {suffix}"
         problem = Problem(option, f"it is for {FORMATS[suffix].name} only", fix)
-        invalid = {Path(one): [problem] for one in targets if suffix_of(one) != suffix}
+        invalid = {Path(target): [problem] for target in targets if suffix_of(target) != suffix}
         if is_given and invalid:
             refuse(invalid)
 
@@ -107,8 +107,8 @@ def make_folder_of(target: str) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        place = Problem("output", f"{folder} cannot be made", str(error.strerror))
-        refuse({Path(target): [place]})
+        problem = Problem("output", f"{folder} cannot be made", str(error.strerror))
+        refuse({Path(target): [problem]})
 
 
 def kept_apart(target: str) -> str:
@@ -120,9 +120,9 @@ def kept_apart(target: str) -> str:
     if not Path(target).exists():
         return target
     suffix = suffix_of(target)
-    beside = f"{target.removesuffix(suffix)}.partial{suffix}"
-    console.fail(f"{target} stays as it was; what is computed goes to {beside}.")
-    return beside
+    partial_target = f"{target.removesuffix(suffix)}.partial{suffix}"
+    console.fail(f"{target} stays as it was; what is computed goes to {partial_target}.")
+    return partial_target
 
 
 def write_or_exit(path: Path, table: Table, target: str, history: str, storage: Storage) -> None:
@@ -176,6 +176,7 @@ def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]
 
 
 def _size_of(prepared: Prepared) -> Size:
+    # A table has a row per point of all dimensions together; a file has each output over its own.
     kept = {dim for dims in prepared.dims.values() for dim in dims}
     cells = {
         name: math.prod(prepared.sizes[dim] for dim in dims) for name, dims in prepared.dims.items()
@@ -218,16 +219,16 @@ def complete_already(
     return complete
 
 
-def is_complete(where: str, prepared: Prepared) -> bool:
+def is_complete(target: str, prepared: Prepared) -> bool:
     """True if at a path lies the result that this version made of the same study.
 
     Results appear only when they are complete.
     """
-    attributes = attributes_there(where)
-    made = str(attributes.get("source")).partition(",")[0]
+    attributes = attributes_there(target)
+    program = str(attributes.get("source")).partition(",")[0]
     return (
         attributes.get("study_sha256") == prepared.study.key()
-        and made == f"vibrafeed {core.__version__}"
+        and program == f"vibrafeed {core.__version__}"
     )
 
 

@@ -71,6 +71,7 @@ def shown_range(
     shown = units.of(unit, size)
     digits, span = DIGITS, largest - least
     if 0 < span < size:
+        # The first decimals that both values share, and those that tell them apart.
         digits = SPAN_DIGITS + math.floor(math.log10(size)) - math.floor(math.log10(span))
         digits = min(max(DIGITS, digits), MAX_DIGITS)
     return (

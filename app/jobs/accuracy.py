@@ -43,7 +43,7 @@ def write_report(
     """
     report = Report.of(store.read_block(key, cells, 0))
 
-    def more(dataset: Path, folder: Path) -> list[Path]:
+    def write_more(dataset: Path, folder: Path) -> list[Path]:
         picture = draw(dataset, folder / "accuracy-study.png", logger.warning)
         title = prepared.study.title or prepared.plan.scene.title
         section = report.section("study.json", title, picture.name if picture else None)
@@ -52,7 +52,7 @@ def write_report(
 
     store.finish(
         key, report.table(prepared), process=process, cells=prepared.cells, blocks=1,
-        seconds=seconds, more=more,
+        seconds=seconds, write_more=write_more,
     )  # fmt: skip
 
 

@@ -51,7 +51,7 @@ class Blocks(Studies):
 
     def has_block(self, key: str, cells: int, index: int) -> bool:
         """True if a block of a study is stored; `cells` is the size of a block."""
-        return self._block(key, cells, index).exists()
+        return self._block_file(key, cells, index).exists()
 
     def write_block(self, key: str, cells: int, index: int, computed: Computed) -> None:
         """Store the computed arrays of a block on disk.
@@ -67,9 +67,9 @@ class Blocks(Studies):
         computed : Computed
             Its arrays and notes.
         """
-        path = self._block(key, cells, index)
+        path = self._block_file(key, cells, index)
         digest, content = pack(computed)
-        for last in (False, True):
+        for is_last_try in (False, True):
             # Not the study's own folder: if that is gone, so is the study.
             path.parent.parent.mkdir(exist_ok=True)
             path.parent.mkdir(exist_ok=True)
@@ -77,8 +77,8 @@ class Blocks(Studies):
                 with whole(path) as temporary, temporary.open("wb") as file:
                     file.write(digest)
                     file.write(content)
-            except FileNotFoundError:  # whoever finished the study has just removed its blocks
-                if last:
+            except FileNotFoundError:  # another worker finished the study and removed its blocks
+                if is_last_try:
                     raise
             else:
                 return
@@ -89,7 +89,7 @@ class Blocks(Studies):
         A damaged block is removed, so that it is computed again. `key` is the study's identifier,
         `cells` the number of cells of a block, and `index` the block's number from 0.
         """
-        path = self._block(key, cells, index)
+        path = self._block_file(key, cells, index)
         try:
             block = path.read_bytes()
         except FileNotFoundError:
@@ -102,9 +102,9 @@ class Blocks(Studies):
             )
         return computed
 
-    def _block(self, key: str, cells: int, index: int) -> Path:
+    def _block_file(self, key: str, cells: int, index: int) -> Path:
         """Return the path of a block's file: of a study, cells per block, and number from 0."""
         # Blocks of another size, left by a job that was given up, are never taken for these; nor
         # are those of other code, so that no result is made by two.
-        made = f"{cells}-{code_version()}"
-        return self.folder(key) / "blocks" / made / f"{index:06d}.block"
+        size_and_code = f"{cells}-{code_version()}"
+        return self.folder(key) / "blocks" / size_and_code / f"{index:06d}.block"

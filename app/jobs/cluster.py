@@ -49,7 +49,7 @@ class Cluster:
             If it does not answer, or has no workers; `trouble` then says so.
         """
         try:
-            self._threads = await asyncio.to_thread(self._count)
+            self._threads = await asyncio.to_thread(self._count_threads)
         except Exception as error:  # of many kinds
             self._threads = 0
             self.trouble = f"the workers cannot be reached: {type(error).__name__}"
@@ -63,12 +63,12 @@ class Cluster:
         self,
         function: Callable[..., _T],
         *arguments: Any,
-        began: Callable[[], Awaitable[None]],
+        on_start: Callable[[], Awaitable[None]],
         grace: float = 0.0,
     ) -> _T:
         """Run a function on a worker and return its result.
 
-        A running call cannot be ended from here: `grace` [s] after its caller is cancelled it is
+        A running call cannot be ended from here: `grace` [s] after its caller is cancelled, it is
         left to itself. Raises `EndedError` if workers die of it, and `LostError` if the scheduler
         is lost.
         """
@@ -80,7 +80,7 @@ class Cluster:
         executor = self._client.get_executor(pure=False)  # type: ignore[no-untyped-call]
         call = asyncio.wrap_future(executor.submit(function, *arguments))
         try:
-            await began()
+            await on_start()
             await asyncio.wait({call})
             if call.cancelled():
                 raise LostError("the scheduler has forgotten the work")
@@ -105,7 +105,7 @@ class Cluster:
         if client is not None:
             client.close(timeout=1)  # type: ignore[no-untyped-call]
 
-    def _count(self) -> int:
+    def _count_threads(self) -> int:
         from distributed import Client
 
         if self._client is not None and self._client.status != "running":

@@ -84,7 +84,7 @@ class Database:
 
     Parameters
     ----------
-    where : Path or str
+    location : Path or str
         An SQLite file, or the URL of a database.
 
     Attributes
@@ -93,10 +93,12 @@ class Database:
         True once a read or a change has found the database damaged.
     """
 
-    def __init__(self, where: Path | str):
+    def __init__(self, location: Path | str):
         """Note the SQLite file or the URL of the database; connect on first use."""
         url = (
-            make_url(where) if isinstance(where, str) else URL.create("sqlite", database=f"{where}")
+            make_url(location)
+            if isinstance(location, str)
+            else URL.create("sqlite", database=f"{location}")
         )
         self.kind = url.get_backend_name()
         self._file = Path(url.database or "") if self.kind == "sqlite" else None
@@ -104,7 +106,7 @@ class Database:
             url = url.set(drivername="postgresql+psycopg")
         self._url = url
         self._lock = threading.RLock()  # threads take turns here, not by each a connection
-        self._mine = threading.local()  # the connection of a thread that is in a transaction
+        self._of_thread = threading.local()  # the connection of a thread that is in a transaction
         self._opened: Engine | None = None
         self.is_damaged = False
 
@@ -129,27 +131,27 @@ class Database:
         OSError
             If a remote database cannot be reached, is full, read-only, or locked for too long.
         """
-        mine = getattr(self._mine, "connection", None)
-        if mine is not None:
-            yield mine
+        own = getattr(self._of_thread, "connection", None)
+        if own is not None:
+            yield own  # this thread is in a transaction already
             return
         with self._lock, self._plain_errors(), self._engine().begin() as connection:
             for statement in BEGIN[self.kind]:
                 connection.exec_driver_sql(statement)
-            self._mine.connection = connection
+            self._of_thread.connection = connection
             try:
                 yield connection
             finally:
-                self._mine.connection = None
+                self._of_thread.connection = None
 
     def read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
         """Return the rows of a query, which is part of this thread's transaction if there is one.
 
         Raises `sqlite3.Error` or `OSError` if the database fails.
         """
-        mine = getattr(self._mine, "connection", None)
-        if mine is not None:
-            return list(mine.execute(statement))
+        own = getattr(self._of_thread, "connection", None)
+        if own is not None:
+            return list(own.execute(statement))
         with self._plain_errors(), self._engine().connect() as connection:
             return list(connection.execute(statement))
 
@@ -157,16 +159,16 @@ class Database:
         """Raise `DamagedLedgerError` if an SQLite file is damaged; every page of it is read."""
         if self._file is not None:
             with self._plain_errors(), self._engine().connect() as connection:
-                found = connection.exec_driver_sql("PRAGMA quick_check(1)").scalar_one()
-            if found != "ok":
+                verdict = connection.exec_driver_sql("PRAGMA quick_check(1)").scalar_one()
+            if verdict != "ok":
                 self.is_damaged = True
-                raise DamagedLedgerError(found)
+                raise DamagedLedgerError(verdict)
 
     def _engine(self) -> Engine:
         """Return the SQLAlchemy engine; at first use create it, and the tables of the ledger."""
-        opened = self._opened
-        if opened is not None:  # who reads does not wait for a transaction
-            return opened
+        engine = self._opened
+        if engine is not None:  # a read does not wait for a transaction, which holds the lock
+            return engine
         with self._lock:
             if self._opened is None:
                 engine = self._new_engine()
@@ -174,7 +176,7 @@ class Database:
                     if self._file is None:
                         self._upgrade(engine)
                     else:
-                        self._make_file(engine, self._file)
+                        self._create_file(engine, self._file)
                 except BaseException:
                     engine.dispose()
                     raise
@@ -182,7 +184,8 @@ class Database:
             return self._opened
 
     def _new_engine(self) -> Engine:
-        arguments = {k: v for k, v in CONNECT[self.kind].items() if k not in self._url.query}
+        defaults = CONNECT[self.kind].items()
+        arguments = {name: value for name, value in defaults if name not in self._url.query}
         # AUTOCOMMIT: who reads has no transaction, who changes something begins one in words.
         engine = create_engine(
             self._url,
@@ -195,10 +198,7 @@ class Database:
 
         @event.listens_for(engine, "connect")
         def _(connection: Any, record: object) -> None:
-            """Set the options of a new connection.
-
-            SQLAlchemy calls it with the connection and its record.
-            """
+            """Set the options of a new connection; SQLAlchemy calls it."""
             cursor = connection.cursor()
             for statement in SET[self.kind]:
                 cursor.execute(statement)
@@ -206,11 +206,8 @@ class Database:
 
         return engine
 
-    def _make_file(self, engine: Engine, file: Path) -> None:
-        """Create the SQLite file in WAL mode (write-ahead log) and its tables.
-
-        One process at a time.
-        """
+    def _create_file(self, engine: Engine, file: Path) -> None:
+        """Create the SQLite file in WAL mode (write-ahead log) and its tables."""
         file.parent.mkdir(parents=True, exist_ok=True)
         # Making a new file one for WAL does not wait for another process that does so.
         with FileLock(file.with_name(".ledger.lock")):
@@ -253,14 +250,14 @@ class Database:
                 errno.EAGAIN, "all connections to the job database are in use; try again later"
             ) from error
         except exc.DBAPIError as error:
-            plain = _plain(error)
+            plain = _plain_error(error)
             self.is_damaged |= isinstance(plain, DamagedLedgerError)
             if plain is None:
                 raise
             raise plain from error
 
 
-def _plain(error: exc.DBAPIError) -> Exception | None:
+def _plain_error(error: exc.DBAPIError) -> Exception | None:
     cause = error.orig
     if isinstance(cause, sqlite3.Error):
         # The lowest byte; those above say what exactly was malformed.

@@ -12,7 +12,7 @@ FILES = "The service has reached its limit of open files"
 HELD = "Another process holds the ledger"
 LOST = "The database of the ledger cannot be reached"
 DAMAGED = "The ledger is damaged"
-PASSING = (FILES, HELD, LOST, DAMAGED)  # soon and by themselves, or with the backup of the ledger
+TEMPORARY = (FILES, HELD, LOST, DAMAGED)  # soon and by themselves, or with the backup of the ledger
 
 
 # Why it cannot take more.
@@ -35,9 +35,9 @@ SQLITE = {
 }
 
 
-def passes(error: OSError | sqlite3.OperationalError) -> bool:
+def is_temporary(error: OSError | sqlite3.OperationalError) -> bool:
     """True if a storage error says nothing of a study, which is tried again when it has passed."""
-    return why(error) in PASSING
+    return cause_of(error) in TEMPORARY
 
 
 def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
@@ -50,12 +50,12 @@ def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
         "status": 507,
         "kind": "storage",
         "title": "The service cannot store data",
-        "detail": f"{why(error)}. What was there is not touched. Ask again when that is fixed: "
-        "a job goes on where it was.",
+        "detail": f"{cause_of(error)}. What was there is not touched. Ask again when that is "
+        "fixed: a job goes on where it was.",
     }
 
 
-def why(error: OSError | sqlite3.Error) -> str:
+def cause_of(error: OSError | sqlite3.Error) -> str:
     """Return the cause of a storage error in a few words for clients, without any path."""
     if isinstance(error, LostLedgerError):
         return LOST

@@ -47,16 +47,16 @@ class RunningTime:
 
     Parameters
     ----------
-    most : float
+    max_seconds : float
         Time limit of the item [s].
     limit : asyncio.Timeout
         The timeout that is set off when the running time reaches the limit.
     """
 
-    def __init__(self, most: float, limit: asyncio.Timeout):
-        """Limit the working time of an item to `most` seconds, by an asyncio timeout."""
-        self._left, self._limit = most, limit
-        self._blocks, self._since = 0, 0.0
+    def __init__(self, max_seconds: float, limit: asyncio.Timeout):
+        """Limit the working time of an item, by an asyncio timeout."""
+        self._remaining, self._limit = max_seconds, limit
+        self._active_blocks, self._since = 0, 0.0
 
     def begin(self) -> None:
         """Note that one more worker has begun with a block of the item of work.
@@ -64,10 +64,10 @@ class RunningTime:
         The first worker starts the clock of the item's time limit, which stands while none works on
         it.
         """
-        self._blocks += 1
-        if self._blocks == 1 and not self._limit.expired():
+        self._active_blocks += 1
+        if self._active_blocks == 1 and not self._limit.expired():
             self._since = asyncio.get_running_loop().time()
-            self._limit.reschedule(self._since + self._left)
+            self._limit.reschedule(self._since + self._remaining)
 
     def end(self) -> None:
         """Note that a worker has ended its block of the item of work.
@@ -75,9 +75,9 @@ class RunningTime:
         The last worker stops the clock of the item's time limit, which stands while none works on
         it.
         """
-        self._blocks -= 1
-        if self._blocks == 0 and not self._limit.expired():
-            self._left -= asyncio.get_running_loop().time() - self._since
+        self._active_blocks -= 1
+        if self._active_blocks == 0 and not self._limit.expired():
+            self._remaining -= asyncio.get_running_loop().time() - self._since
             self._limit.reschedule(None)
 
 
@@ -89,7 +89,7 @@ class _Progress:
     ----------
     item : Work
         The item.
-    computed : callable
+    on_block : callable
         Called with the computing time of each block [s].
     running : RunningTime
         Its running time, against its limit.
@@ -97,16 +97,16 @@ class _Progress:
         Number of its stored blocks.
     began : float or None
         The `time.monotonic` at which the first block began [s].
-    noting : asyncio.Lock
+    recording : asyncio.Lock
         Held while the progress is written into the ledger: one note after another.
     """
 
     item: Work
-    computed: Callable[[float], None]
+    on_block: Callable[[float], None]
     running: RunningTime
     done: int = 0
     began: float | None = None
-    noting: asyncio.Lock = field(default_factory=asyncio.Lock)
+    recording: asyncio.Lock = field(default_factory=asyncio.Lock)
 
 
 class Dispatcher:
@@ -128,26 +128,27 @@ class Dispatcher:
         self._settings = settings
         self._directory = str(settings.data_directory.resolve())
 
-    async def carry_out(self, item: Work, computed: Callable[[float], None]) -> None:
+    async def carry_out(self, item: Work, on_block: Callable[[float], None]) -> None:
         """Compute missing blocks of an item of work and write its result, within the time limit.
 
-        The item is a study that jobs wait for; `computed` is called with the seconds of each
-        block. Raises `TooLongError` beyond the time limit of a
-        job; finished blocks are kept.
+        The item is a study that jobs wait for; `on_block` is called with the seconds of each block.
+        Raises `TooLongError` beyond the time limit of a job; finished blocks are kept.
         """
-        most = self._settings.max_job_seconds
+        max_seconds = self._settings.max_job_seconds
         try:
             async with asyncio.timeout(None) as limit:
-                await self._compute_and_write(_Progress(item, computed, RunningTime(most, limit)))
+                await self._compute_and_write(
+                    _Progress(item, on_block, RunningTime(max_seconds, limit))
+                )
         except TimeoutError as error:
             if not limit.expired():
                 raise
             raise TooLongError(
-                f"The job was stopped at the service's time limit of {most:g} s. Post its study "
-                "again to continue with the blocks that are done."
+                f"The job was stopped at the service's time limit of {max_seconds:g} s. Post its "
+                "study again to continue with the blocks that are done."
             ) from error
 
-    async def is_there(self, item: Work) -> bool:
+    async def has_result(self, item: Work) -> bool:
         """True if the complete result of a study exists on disk, so that it need not be computed.
 
         Blocks that were stored while it was computed are then removed. `item` is the item of work:
@@ -163,19 +164,19 @@ class Dispatcher:
         block is damaged for the third time. `progress` has the item and its running time.
         """
         item = progress.item
-        about = item.key, item.process, item.block_cells
-        spent = item.seconds
-        torn: Counter[str] = Counter()
+        study = item.key, item.process, item.block_cells
+        seconds = item.seconds
+        damages: Counter[str] = Counter()  # by block
         while True:
-            if await self.is_there(item):
+            if await self.has_result(item):
                 return
-            missing = await self._on_worker(progress, work.missing_blocks, *about, item.blocks)
-            spent += await self._compute(progress, missing)
+            missing = await self._on_worker(progress, work.missing_blocks, *study, item.blocks)
+            seconds += await self._compute(progress, missing)
             try:
-                await self._on_worker(progress, work.write_result, *about, spent)
+                await self._on_worker(progress, work.write_result, *study, seconds)
             except TornBlockError as error:
-                torn[str(error)] += 1
-                if torn[str(error)] == MAX_TORN:
+                damages[str(error)] += 1
+                if damages[str(error)] == MAX_TORN:
                     raise
                 logger.warning("a block is computed again: %s", error, extra={"key": item.key})
             else:
@@ -190,24 +191,26 @@ class Dispatcher:
         """
         item = progress.item
         progress.done = max(0, item.blocks - len(missing))
-        waiting = iter(missing)
+        waiting = iter(missing)  # all calls take the next block from it
 
-        async def take() -> float:
+        async def compute_blocks() -> float:
             total = 0.0
             for index in waiting:
                 seconds = await self._on_worker(
                     progress, work.compute_block, item.key, item.process, item.block_cells, index,
                     code_version(),
                 )  # fmt: skip
-                progress.computed(seconds)
+                progress.on_block(seconds)
                 progress.done += 1
                 total += seconds
-                await self._note(progress, seconds)
+                await self._record(progress, seconds)
             return total
 
         await self._workers.prepare()
         # Half of them wait for their turn; no worker is to wait for them.
-        calls = [asyncio.create_task(take()) for _ in range(2 * self._workers.fair_queue.slots)]
+        calls = [
+            asyncio.create_task(compute_blocks()) for _ in range(2 * self._workers.fair_queue.slots)
+        ]
         try:
             return sum(await asyncio.gather(*calls))
         finally:
@@ -238,15 +241,15 @@ class Dispatcher:
         """
         has_begun = False
 
-        async def began() -> None:
+        async def on_start() -> None:
             """Start the clock of the item, and note in the ledger that it has begun."""
             nonlocal has_begun
-            if not has_begun:  # it begins again on another worker, if the first dies
+            if not has_begun:  # the call starts again on another worker, if the first dies
                 progress.running.begin()
             has_begun = True
             if progress.began is None:
                 progress.began = time.monotonic()
-                await self._note(progress, 0.0)
+                await self._record(progress, 0.0)
 
         await self._workers.prepare()
         item = progress.item
@@ -257,7 +260,7 @@ class Dispatcher:
                     with contextlib.suppress(EndedError):  # perhaps of something else
                         return await self._workers(
                             function, self._directory, *arguments,
-                            began=began, grace=self._settings.grace_seconds,
+                            on_start=on_start, grace=self._settings.grace_seconds,
                         )  # fmt: skip
             finally:
                 if has_begun:
@@ -267,14 +270,14 @@ class Dispatcher:
             "out. Post a smaller study, or give the workers more memory."
         )
 
-    async def _note(self, progress: _Progress, seconds: float) -> None:
+    async def _record(self, progress: _Progress, seconds: float) -> None:
         """Write the number of finished blocks of an item into the ledger, for its jobs to show.
 
         `seconds` is the computing time since the last note [s], summed over workers. `progress` has
         the item, the number, and when the first block began.
         """
         assert progress.began is not None
-        async with progress.noting:
+        async with progress.recording:
             await asyncio.to_thread(
                 self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
                 elapsed=time.monotonic() - progress.began,

@@ -13,6 +13,7 @@ import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 OF_KEY = "key "  # begins the name of an owner who has a key
 SHORT = 0.5  # s; calls that take longer leave one slot to those that do not
@@ -42,6 +43,15 @@ class Slot:
         return max(self.seconds, time.monotonic() - self.since) > SHORT
 
 
+class _Waiter(NamedTuple):
+    """A call that waits for a slot."""
+
+    number: int  # in the order of arrival
+    owner: str
+    seconds: float
+    slot: asyncio.Future[Slot]
+
+
 class FairQueue:
     """Gives out slots, one for each call that can run at a time.
 
@@ -52,19 +62,19 @@ class FairQueue:
     ----------
     slots : int
         The number of slots.
-    of_owner : int, optional
+    max_of_owner : int, optional
         The most slots of one owner; by default all but one.
     """
 
-    def __init__(self, slots: int, of_owner: int | None = None):
+    def __init__(self, slots: int, max_of_owner: int | None = None):
         """Give out a number of slots."""
         self.slots = slots
-        self._of_owner = of_owner
+        self._max_of_owner = max_of_owner
         self._taken: list[Slot] = []
-        self._waiting: list[tuple[int, str, float, asyncio.Future[Slot]]] = []
-        self._had: dict[str, float] = {}  # seconds of each owner that is here
-        self._due = 0.0  # seconds that an owner would have had that was here from the start
-        self._number = itertools.count()
+        self._waiting: list[_Waiter] = []
+        self._charged: dict[str, float] = {}  # seconds of each owner that is here
+        self._fair = 0.0  # seconds that an owner would have had that was here from the start
+        self._numbers = itertools.count()
 
     @property
     def waiting(self) -> bool:
@@ -88,58 +98,62 @@ class FairQueue:
         try:
             yield
         finally:
-            self._leave(slot)
+            self._release(slot)
 
     async def _take(self, owner: str, seconds: float) -> Slot:
-        # `_due` is the time that an account which was always here would have had: a new one begins
+        # `_fair` is the time that an owner who was always here would have had: a new one begins
         # there, with neither a debt nor a claim to slots that others used before it came.
-        if owner not in self._had:
-            self._had[owner] = max(self._due, min(self._had.values(), default=0.0))
-        got: asyncio.Future[Slot] = asyncio.get_running_loop().create_future()
-        asked = (next(self._number), owner, seconds, got)
-        self._waiting.append(asked)
+        if owner not in self._charged:
+            self._charged[owner] = max(self._fair, min(self._charged.values(), default=0.0))
+        slot: asyncio.Future[Slot] = asyncio.get_running_loop().create_future()
+        waiter = _Waiter(next(self._numbers), owner, seconds, slot)
+        self._waiting.append(waiter)
         self._hand_out()
         try:
-            return await got
+            return await slot
         except asyncio.CancelledError:
-            if asked in self._waiting:
-                self._waiting.remove(asked)
-            if got.done() and not got.cancelled():
-                self._leave(got.result())
+            if waiter in self._waiting:
+                self._waiting.remove(waiter)
+            if slot.done() and not slot.cancelled():
+                self._release(slot.result())
             self._forget(owner)
             raise
 
-    def _leave(self, slot: Slot) -> None:
+    def _release(self, slot: Slot) -> None:
         self._taken.remove(slot)
         used = time.monotonic() - slot.since
-        self._had[slot.owner] += used - slot.seconds  # it was charged for what was expected
-        self._due += used / len(self._had)
+        self._charged[slot.owner] += used - slot.seconds  # it was charged for what was expected
+        self._fair += used / len(self._charged)
         self._forget(slot.owner)
         self._hand_out()
 
     def _hand_out(self) -> None:
-        # Who was cancelled stays here until its task runs again.
-        self._waiting = [waiter for waiter in self._waiting if not waiter[3].done()]
+        # A call that was cancelled stays here until its task runs again.
+        self._waiting = [waiter for waiter in self._waiting if not waiter.slot.done()]
         while len(self._taken) < self.slots:
-            fits = [waiter for waiter in self._waiting if self._fits(waiter[1], waiter[2])]
-            if not fits:
+            fitting = [waiter for waiter in self._waiting if self._fits(waiter)]
+            if not fitting:
                 return
-            chosen = min(fits, key=lambda waiter: (self._had[waiter[1]] + waiter[2], waiter[0]))
+            # The owner whose time would be least once the call is over; the first of equals.
+            chosen = min(
+                fitting,
+                key=lambda waiter: (self._charged[waiter.owner] + waiter.seconds, waiter.number),
+            )
             self._waiting.remove(chosen)
-            _, owner, seconds, got = chosen
-            slot = Slot(owner, seconds)
+            slot = Slot(chosen.owner, chosen.seconds)
             self._taken.append(slot)
-            self._had[owner] += seconds
-            got.set_result(slot)
+            self._charged[chosen.owner] += chosen.seconds
+            chosen.slot.set_result(slot)
 
-    def _fits(self, owner: str, seconds: float) -> bool:
+    def _fits(self, waiter: _Waiter) -> bool:
         """True if a slot is left for a call beside those that its owner has, and the long ones."""
-        most = max(1, self.slots - 1)
-        own = sum(slot.owner == owner for slot in self._taken)
+        all_but_one = max(1, self.slots - 1)
+        own = sum(slot.owner == waiter.owner for slot in self._taken)
         long = sum(slot.is_long for slot in self._taken)
-        return own < (self._of_owner or most) and (seconds <= SHORT or long < most)
+        owner_may = own < (self._max_of_owner or all_but_one)
+        return owner_may and (waiter.seconds <= SHORT or long < all_but_one)
 
     def _forget(self, owner: str) -> None:
-        taken = any(slot.owner == owner for slot in self._taken)
-        if not taken and all(waiter[1] != owner for waiter in self._waiting):
-            self._had.pop(owner, None)
+        has_slot = any(slot.owner == owner for slot in self._taken)
+        if not has_slot and all(waiter.owner != owner for waiter in self._waiting):
+            self._charged.pop(owner, None)

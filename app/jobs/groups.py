@@ -45,10 +45,10 @@ def read_list(folder: Path) -> Mapping[str, str]:
     """
     path = folder / LIST
     try:
-        found = path.stat()
+        status = path.stat()
     except FileNotFoundError:
         return {}
-    return _read(path, found.st_ino, found.st_size, found.st_mtime_ns)
+    return _read(path, status.st_ino, status.st_size, status.st_mtime_ns)
 
 
 @lru_cache(maxsize=KEPT)

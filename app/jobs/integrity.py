@@ -27,26 +27,26 @@ class Integrity:
         self._one_small, self._one_large = CapacityLimiter(1), CapacityLimiter(1)
 
     async def is_intact(self, file: FileIO, digest: str) -> bool:
-        """True if an open file has the given SHA-256, as `look` finds in a thread."""
+        """True if an open file has the given SHA-256, as `matches` finds in a thread."""
         is_large = os.fstat(file.fileno()).st_size > LARGE
         limiter = self._one_large if is_large else self._one_small
-        return await run_sync(self.look, file, digest, limiter=limiter)
+        return await run_sync(self.matches, file, digest, limiter=limiter)
 
-    def look(self, file: FileIO, digest: str) -> bool:
+    def matches(self, file: FileIO, digest: str) -> bool:
         """True if a file that was just opened has the given SHA-256; reads it in this thread.
 
         `digest` is in hexadecimal. A file that was intact and has not changed since (by inode, size
         and time of change) is not read again.
         """
-        mark = _mark(file, digest)
-        if mark in self._known:
+        state = _state(file, digest)
+        if state in self._known:
             return True
         if _digest(file) != digest:
             return False
-        if _mark(file, digest) == mark:  # else it was changed while it was read
+        if _state(file, digest) == state:  # else it was changed while it was read
             if len(self._known) >= MAX_KNOWN:
                 self._known.clear()
-            self._known.add(mark)
+            self._known.add(state)
         return True
 
 
@@ -54,6 +54,6 @@ def _digest(file: FileIO) -> str:
     return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _mark(file: FileIO, digest: str) -> tuple[int | str, ...]:
+def _state(file: FileIO, digest: str) -> tuple[int | str, ...]:
     status = os.fstat(file.fileno())
     return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, digest

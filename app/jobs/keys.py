@@ -31,9 +31,9 @@ logger = logging.getLogger("vibrafeed.keys")
 Role = Literal["read", "run", "admin"]
 ROLES = get_args(Role)
 NAME = re.compile(r"[A-Za-z0-9._-]{1,40}")
-LOOK = 1.0  # s between looks at the ledger, in which keys may have been made or withdrawn
+CHECK_INTERVAL = 1.0  # s between looks at the ledger, in which keys may have been made or withdrawn
 DAY = 86_400.0  # s
-MOST = 10**18  # of a limit: what any database holds
+MAX_LIMIT = 10**18  # of a limit: what any database holds
 MAX_DAYS = 36_500  # days that a key may be in force: a hundred years
 
 
@@ -66,7 +66,7 @@ class Key:
     withdrawn: float | None = None
     hash: str = ""
 
-    def stands(self, now: float) -> bool:
+    def in_force(self, now: float) -> bool:
         """True if the key is in force at a time."""
         return self.withdrawn is None and (self.ends is None or now < self.ends)
 
@@ -117,7 +117,7 @@ class Keys:
         self._database = database
         self._lock = threading.Lock()
         self._known: list[Key] | None = None  # None: never looked
-        self._looked = 0.0
+        self._read_at = 0.0
 
     def add(self, key: Key, days: float | None = None) -> tuple[str, Key]:
         """Store a new API key with the given properties; return its secret text and its record.
@@ -129,11 +129,11 @@ class Keys:
         InvalidKeyError
             If its name, its role, a limit or the days are not valid, or the name is in use.
         """
-        made, digest = new_key()
+        secret, digest = new_key()
         now = time.time()
         problems = _problems_of(key, days)
         with self._database.transaction() as connection:
-            if any(one.name == key.name and one.stands(now) for one in self.all()):
+            if any(other.name == key.name and other.in_force(now) for other in self.all()):
                 fix = f"Give another, or withdraw that one: vibrafeed key withdraw {key.name}"
                 problems.append(
                     Problem("name", f"a valid key with the name {key.name!r} exists already", fix)
@@ -141,10 +141,10 @@ class Keys:
             if problems:
                 raise InvalidKeyError(problems)
             ends = None if days is None else now + days * DAY
-            kept = replace(key, hash=digest, created=now, ends=ends)
-            connection.execute(KEYS.insert().values(id=uuid.uuid4().hex, **vars(kept)))
+            record = replace(key, hash=digest, created=now, ends=ends)
+            connection.execute(KEYS.insert().values(id=uuid.uuid4().hex, **vars(record)))
             audit.note(self._database, "", "add key", key.name)
-        return made, kept
+        return secret, record
 
     def withdraw(self, name: str) -> Key:
         """Withdraw the API key with a name, which is refused from then on; return its record.
@@ -153,19 +153,19 @@ class Keys:
         """
         now = time.time()
         with self._database.transaction() as connection:
-            standing = {one.name: one for one in self.all() if one.stands(now)}
-            if name not in standing:
-                fix = suggestion(name, standing) if standing else "There are none"
+            in_force = {key.name: key for key in self.all() if key.in_force(now)}
+            if name not in in_force:
+                fix = suggestion(name, in_force) if in_force else "There are none"
                 raise NoSuchKeyError(f"There is no valid key with the name {name[:40]!r}. {fix}")
-            key = replace(standing[name], withdrawn=now)
+            key = replace(in_force[name], withdrawn=now)
             connection.execute(KEYS.update().where(KEYS.c.hash == key.hash).values(withdrawn=now))
             audit.note(self._database, "", "withdraw key", name)
         return key
 
     def all(self) -> list[Key]:
         """Return all keys in the ledger, including expired and withdrawn ones, oldest first."""
-        found = select(*(column for column in KEYS.c if column.name != "id"))
-        rows = self._database.read(found.order_by(KEYS.c.created, KEYS.c.id))
+        columns = select(*(column for column in KEYS.c if column.name != "id"))
+        rows = self._database.read(columns.order_by(KEYS.c.created, KEYS.c.id))
         return [Key(**row._mapping) for row in rows]
 
     def note_refused(self, address: str, name: str) -> None:
@@ -177,7 +177,7 @@ class Keys:
     @property
     def is_due(self) -> bool:
         """True if the keys have to be read from the ledger again."""
-        return self._known is None or time.monotonic() - self._looked > LOOK
+        return self._known is None or time.monotonic() - self._read_at > CHECK_INTERVAL
 
     @property
     def is_known(self) -> bool:
@@ -187,9 +187,9 @@ class Keys:
     @property
     def is_fresh(self) -> bool:
         """True if the keys were read from the ledger within the last moments."""
-        return self._known is not None and time.monotonic() - self._looked < 2 * LOOK
+        return self._known is not None and time.monotonic() - self._read_at < 2 * CHECK_INTERVAL
 
-    def look(self) -> None:
+    def refresh(self) -> None:
         """Read the keys from the ledger, unless they were read within the last second.
 
         If the ledger cannot be read, the known keys stay; without any the error is raised.
@@ -203,7 +203,7 @@ class Keys:
                 if self._known is None:  # it may need keys
                     raise
                 logger.exception("keys cannot be read")
-            self._looked = time.monotonic()
+            self._read_at = time.monotonic()
 
     @property
     def are_needed(self) -> bool:
@@ -224,7 +224,6 @@ class Keys:
 
 
 def _problems_of(key: Key, days: float | None) -> list[Problem]:
-    """Return all problems of a new API key: its name, role, limits, and days in force."""
     problems = []
     if not NAME.fullmatch(key.name):
         fix = "Use 1 to 40 letters, digits, '.', '_' and '-'"
@@ -234,7 +233,7 @@ def _problems_of(key: Key, days: float | None) -> list[Problem]:
         problems.append(Problem("role", f"{key.role[:60]!r} is not a role", fix))
     for name in ("requests", "jobs", "cells", "bytes"):
         limit = getattr(key, name)
-        if limit is not None and not 1 <= limit <= MOST:
+        if limit is not None and not 1 <= limit <= MAX_LIMIT:
             fix = "Give a whole number of 1 or more, or leave it out for no limit"
             problems.append(Problem(name, f"{limit:g} cannot be", fix))
     if days is not None and not 0 < days <= MAX_DAYS:

@@ -19,11 +19,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import ColumnElement, Connection, Row, exists, func, or_, select, true, tuple_
+from sqlalchemy import ColumnElement, Connection, Row, exists, func, or_, select, tuple_
 from sqlalchemy.sql.expression import Insert, Select
 
 from vibrafeed.app.jobs.database import Database
-from vibrafeed.app.jobs.disk import DAMAGED, why
+from vibrafeed.app.jobs.disk import DAMAGED, cause_of
 from vibrafeed.app.jobs.errors import QueueFullError
 from vibrafeed.app.jobs.tables import AUDIT, JOBS, KEYS, OWNED_STUDIES, SIZES, VERSION, WORK
 
@@ -164,7 +164,7 @@ class Ledger:
 
     Parameters
     ----------
-    where : Path or str
+    location : Path or str
         The SQLite file, made if missing; or the URL of a database.
 
     Attributes
@@ -173,9 +173,9 @@ class Ledger:
         Where other tables may stand beside those of jobs.
     """
 
-    def __init__(self, where: Path | str):
+    def __init__(self, location: Path | str):
         """Use the ledger in an SQLite file, or in a database at a URL."""
-        self.database = Database(where)
+        self.database = Database(location)
 
     def close(self) -> None:
         """Close the database; the next use opens it again."""
@@ -195,12 +195,14 @@ class Ledger:
         try:
             self._read(select(VERSION))
         except (OSError, sqlite3.Error) as error:
-            return f"{why(error)}."
+            return f"{cause_of(error)}."
         return None
 
     def is_empty(self) -> bool:
         """True if it holds no job, key, study or entry of the audit log."""
-        entered = or_(*(exists().select_from(one) for one in (JOBS, KEYS, OWNED_STUDIES, AUDIT)))
+        entered = or_(
+            *(exists().select_from(table) for table in (JOBS, KEYS, OWNED_STUDIES, AUDIT))
+        )
         return not self._read(select(entered))[0][0]
 
     def _read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
@@ -208,27 +210,27 @@ class Ledger:
 
     # --- what clients do
 
-    def check_queue(self, most: int, owner: str = "") -> None:
+    def check_queue(self, places: int, owner: str = "") -> None:
         """Raise `QueueFullError` if the queue is full, or an owner has used its share of it.
 
-        `most` is the number of places in the queue; `owner` is the name of the API key that posts,
-        empty without keys. Of n owners who have work, the asking one among them, each has most/(n +
-        1) places, at least one, so that a new owner finds room.
+        `places` is the size of the queue; `owner` is the name of the API key that posts, empty
+        without keys. Each of n owners with work, this one included, has places/(n + 1), at least
+        one, so that a new owner finds room.
         """
         if owner:
-            active = select(JOBS.c.owner, JOBS.c.key).where(JOBS.c.state.in_(ACTIVE)).distinct()
-            rows = self._read(active)
-            own = sum(row.owner == owner for row in rows)
-            owners = len({row.owner for row in rows} | {owner})
-            share = max(1, most // (owners + 1))
+            query = select(JOBS.c.owner, JOBS.c.key).where(JOBS.c.state.in_(ACTIVE)).distinct()
+            active = self._read(query)
+            own = sum(study.owner == owner for study in active)
+            owners = len({study.owner for study in active} | {owner})
+            share = max(1, places // (owners + 1))
             if own >= share:
                 raise QueueFullError(
                     f"The share of your key in the queue is full: {own:,} of its studies run "
-                    f"or wait, and its share is {share:,} of {most:,} places. Post again when "
+                    f"or wait, and its share is {share:,} of {places:,} places. Post again when "
                     "one of them is done."
                 )
         [(waiting,)] = self._read(select(func.count()).select_from(WORK))
-        if waiting >= most:
+        if waiting >= places:
             raise QueueFullError(
                 f"The queue is full: {waiting:,} studies run or wait. Post again when one "
                 "of them is done."
@@ -264,13 +266,13 @@ class Ledger:
             latest = database.execute(select(func.max(JOBS.c.created))).scalar_one()
             created = now if latest is None else max(now, latest + TICK)
             if not is_there:
-                found = select(WORK.c.began, WORK.c.blocks).where(WORK.c.key == task.key)
-                row = database.execute(found).one_or_none()
-                if row is None:
+                query = select(WORK.c.began, WORK.c.blocks).where(WORK.c.key == task.key)
+                work = database.execute(query).one_or_none()
+                if work is None:
                     database.execute(_new_work(task, known_seconds))
                 else:
-                    blocks = row.blocks  # it may have been cut when blocks were of another size
-                    if row.began is not None:
+                    blocks = work.blocks  # it may have been cut when blocks were of another size
+                    if work.began is not None:
                         state, started = "running", now
             database.execute(
                 JOBS.insert().values(
@@ -312,11 +314,10 @@ class Ledger:
 
         `after` is the time of entry and the identifier of a job: the list goes on behind it.
         """
-        place = tuple_(JOBS.c.created, JOBS.c.id)
-        chosen = JOB.where(*conditions(wanted or Wanted()))
+        query = JOB.where(*conditions(wanted or Wanted()))
         if after is not None:
-            chosen = chosen.where(place < after)
-        latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id.desc())
+            query = query.where(tuple_(JOBS.c.created, JOBS.c.id) < after)
+        latest = query.order_by(JOBS.c.created.desc(), JOBS.c.id.desc())
         return [job_of(row) for row in self._read(latest.limit(limit))]
 
     def dismiss(self, number: str) -> Job | None:
@@ -326,14 +327,17 @@ class Ledger:
         job waits for it; the share that was computed stays in the record of the job.
         """
         with self.transaction() as database:
-            about = select(JOBS.c.key, JOBS.c.state).where(JOBS.c.id == number)
-            row = database.execute(about).one_or_none()
+            query = select(JOBS.c.key, JOBS.c.state).where(JOBS.c.id == number)
+            row = database.execute(query).one_or_none()
             if row is None:
                 return None
             key, state = row
-            # How far it came is told for as long as it is in the list.
-            done = select(WORK.c.done.label("done_at_end"), WORK.c.seconds).where(WORK.c.key == key)
-            kept = database.execute(done).mappings().first() if state == "running" else None
+            # How far a running job came stays in its record.
+            progress = select(WORK.c.done.label("done_at_end"), WORK.c.seconds).where(
+                WORK.c.key == key
+            )
+            is_running = state == "running"
+            at_end = database.execute(progress).mappings().first() if is_running else None
             database.execute(
                 JOBS.update()
                 .where(JOBS.c.id == number)
@@ -341,11 +345,11 @@ class Ledger:
                     state="dismissed",
                     finished=func.coalesce(JOBS.c.finished, time.time()),
                     problem=None,
-                    **(kept or {}),
+                    **(at_end or {}),
                 )
             )
-            waits = select(JOBS.c.id).where(JOBS.c.key == key, JOBS.c.state.in_(ACTIVE))
-            database.execute(WORK.delete().where(WORK.c.key == key, ~waits.exists()))
+            waiting = select(JOBS.c.id).where(JOBS.c.key == key, JOBS.c.state.in_(ACTIVE))
+            database.execute(WORK.delete().where(WORK.c.key == key, ~waiting.exists()))
         return self.job(number)
 
     def share(self, number: str, shared: bool) -> None:
@@ -355,8 +359,8 @@ class Ledger:
 
     def active(self, owner: str) -> int:
         """Return the number of jobs of an owner, the name of an API key, that run or wait."""
-        found = select(func.count()).where(JOBS.c.owner == owner, JOBS.c.state.in_(ACTIVE))
-        [(count,)] = self._read(found)
+        active = select(func.count()).where(JOBS.c.owner == owner, JOBS.c.state.in_(ACTIVE))
+        [(count,)] = self._read(active)
         return int(count)
 
     def counts(self) -> dict[str, int]:
@@ -372,7 +376,7 @@ class Ledger:
         An item is a study that jobs wait for; a lease that has run out counts as none.
         """
         rows = self._read(_WORK.where(_is_free(time.time())).order_by(WORK.c.created))
-        return [_work(row, "") for row in rows]
+        return [_work_of(row, "") for row in rows]
 
     def claim(self, server: str, lease_seconds: float, key: str | None = None) -> Work | None:
         """Take the lease of an item of work for a server, so that no other server computes it.
@@ -407,7 +411,7 @@ class Ledger:
                 .where(WORK.c.key == row.key)
                 .values(owner=owner, lease=now + lease_seconds, began=None, done_then=None)
             )
-        return _work(row, owner)
+        return _work_of(row, owner)
 
     def holds(self, work: Work) -> bool:
         """True if this server still has the lease of an item, and a job still waits for it."""
@@ -513,8 +517,8 @@ class Ledger:
         `before` is in seconds since the epoch; `most` is the number of jobs that each owner keeps.
         """
         latest = func.row_number().over(partition_by=JOBS.c.owner, order_by=JOBS.c.finished.desc())
-        over = select(JOBS.c.id, latest.label("place")).where(JOBS.c.finished.is_not(None))
-        numbered = over.subquery()
+        ended = select(JOBS.c.id, latest.label("place")).where(JOBS.c.finished.is_not(None))
+        numbered = ended.subquery()
         oldest = select(numbered.c.id).where(numbered.c.place > most)
         with self.transaction() as database:
             database.execute(JOBS.delete().where(JOBS.c.finished < before))
@@ -523,12 +527,11 @@ class Ledger:
     def queue(self) -> Queue:
         """Return the numbers of studies that wait and run, and the longest waiting time [s]."""
         now = time.time()
-        every, first = (
-            self._read(select(func.count(), func.min(WORK.c.created)).where(which))[0]
-            for which in (true(), _is_free(now))
-        )
-        oldest = 0.0 if first[1] is None else max(0.0, now - first[1])
-        return Queue(first[0], every[0] - first[0], oldest)
+        [(total,)] = self._read(select(func.count()).select_from(WORK))
+        free = select(func.count(), func.min(WORK.c.created)).where(_is_free(now))
+        [(waiting, first)] = self._read(free)
+        oldest = 0.0 if first is None else max(0.0, now - first)
+        return Queue(waiting, total - waiting, oldest)
 
 
 def _is_free(now: float) -> ColumnElement[bool]:
@@ -544,7 +547,7 @@ def _new_work(task: Task, seconds: float = 0.0) -> Insert:
     )  # fmt: skip
 
 
-def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
+def _work_of(row: Row[*tuple[Any, ...]], owner: str) -> Work:
     """Return the item of work in a row of the ledger.
 
     `row` has the columns of the work and `asker`, the owner of the job that has waited longest for
@@ -589,7 +592,7 @@ def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
 
 def job_of(row: Row[*tuple[Any, ...]]) -> Job:
     """Return the job in a row of the ledger: the columns of `JOB`, a job joined with its work."""
-    over = row.state not in ACTIVE
+    has_ended = row.state not in ACTIVE
     return Job(
         id=row.id,
         key=row.key,
@@ -602,9 +605,9 @@ def job_of(row: Row[*tuple[Any, ...]]) -> Job:
         started=row.started,
         finished=row.finished,
         # What has not begun has taken nothing, though it may find a result that has.
-        seconds=(row.seconds or 0.0) if over else row.spent * (row.state == "running"),
+        seconds=(row.seconds or 0.0) if has_ended else row.spent * (row.state == "running"),
         problem=json.loads(row.problem) if row.problem else None,
-        began=None if over else row.began,
+        began=None if has_ended else row.began,
         done_then=row.done_then,
         owner=row.owner,
         shared=bool(row.shared),
@@ -621,4 +624,4 @@ def _done(row: Row[*tuple[Any, ...]]) -> int:
         return int(row.blocks)
     if row.state in ACTIVE:
         return int(row.done)
-    return int(row.done_at_end or 0)  # the work that is there is that of others
+    return int(row.done_at_end or 0)  # work of this study is that of other jobs

@@ -64,8 +64,8 @@ class Ownership:
             True if the owner asks for its result, too.
         """
         with self._database.transaction() as connection:
-            known = self.of(owner, key)
-            if known is None:
+            existing = self.of(owner, key)
+            if existing is None:
                 connection.execute(
                     OWNED_STUDIES.insert().values(
                         owner=owner, key=key, bytes=bytes_, result=int(result), shared=0,
@@ -73,9 +73,11 @@ class Ownership:
                     )
                 )  # fmt: skip
             else:
-                used = {"used": time.time(), "result": int(result or known.result)}
-                connection.execute(OWNED_STUDIES.update().where(_held_by(owner, key)).values(used))
-        return known is None
+                changes = {"used": time.time(), "result": int(result or existing.result)}
+                connection.execute(
+                    OWNED_STUDIES.update().where(_held_by(owner, key)).values(changes)
+                )
+        return existing is None
 
     def of(self, owner: str, key: str) -> OwnedStudy | None:
         """Return the record of an owner's study; None if the owner has not posted it.
@@ -83,7 +85,7 @@ class Ownership:
         `owner` is the name of an API key, `key` the study's identifier.
         """
         rows = self._database.read(select(OWNED_STUDIES).where(_held_by(owner, key)))
-        return _holding(rows[0]) if rows else None
+        return _owned_study(rows[0]) if rows else None
 
     def readable(self, owner: str, key: str) -> list[OwnedStudy]:
         """Return the records of a study that an owner may read, its own or shared; note the use.
@@ -93,9 +95,9 @@ class Ownership:
         """
         is_seen = (OWNED_STUDIES.c.owner == owner) | (OWNED_STUDIES.c.shared == 1)
         rows = self._database.read(select(OWNED_STUDIES).where(OWNED_STUDIES.c.key == key, is_seen))
-        owned = [_holding(row) for row in rows]
+        owned = [_owned_study(row) for row in rows]
         now = time.time()
-        if any(abs(now - holding.used) > USED_EVERY for holding in owned):
+        if any(abs(now - study.used) > USED_EVERY for study in owned):
             with self._database.transaction() as connection:
                 connection.execute(
                     OWNED_STUDIES.update()
@@ -110,41 +112,41 @@ class Ownership:
         `owner` is the owner whose record is changed, None for all owners; `key` is the study's
         identifier.
         """
-        is_meant = OWNED_STUDIES.c.key == key
+        condition = OWNED_STUDIES.c.key == key
         if owner is not None:
-            is_meant &= OWNED_STUDIES.c.owner == owner
+            condition &= OWNED_STUDIES.c.owner == owner
         with self._database.transaction() as connection:
-            connection.execute(OWNED_STUDIES.update().where(is_meant).values(shared=int(shared)))
+            connection.execute(OWNED_STUDIES.update().where(condition).values(shared=int(shared)))
 
     def is_shared(self, owner: str | None, key: str) -> bool:
         """True if an owner, or any owner if None, shares a study with all API keys.
 
         `owner` is the name of an API key, `key` the study's identifier.
         """
-        is_meant = (OWNED_STUDIES.c.key == key) & (OWNED_STUDIES.c.shared == 1)
+        condition = (OWNED_STUDIES.c.key == key) & (OWNED_STUDIES.c.shared == 1)
         if owner is not None:
-            is_meant &= OWNED_STUDIES.c.owner == owner
-        return bool(self._database.read(select(OWNED_STUDIES.c.key).where(is_meant).limit(1)))
+            condition &= OWNED_STUDIES.c.owner == owner
+        return bool(self._database.read(select(OWNED_STUDIES.c.key).where(condition).limit(1)))
 
     def of_others(self, owner: str) -> set[str]:
         """Return the identifiers of the studies that owners other than the given one hold."""
-        found = select(OWNED_STUDIES.c.key).where(OWNED_STUDIES.c.owner != owner).distinct()
-        return {row[0] for row in self._database.read(found)}
+        of_others = select(OWNED_STUDIES.c.key).where(OWNED_STUDIES.c.owner != owner).distinct()
+        return {row[0] for row in self._database.read(of_others)}
 
-    def let_go(self, key: str, owner: str | None = None) -> None:
+    def release(self, key: str, owner: str | None = None) -> None:
         """Remove an owner's record of a study, or those of all owners; mark their jobs as gone.
 
         `key` is the study's identifier. Successful jobs of the study then say that the result has
         made room for others.
         """
-        is_held, is_asked = OWNED_STUDIES.c.key == key, JOBS.c.key == key
+        is_owned, is_of_job = OWNED_STUDIES.c.key == key, JOBS.c.key == key
         if owner is not None:
-            is_held &= OWNED_STUDIES.c.owner == owner
-            is_asked &= JOBS.c.owner == owner
+            is_owned &= OWNED_STUDIES.c.owner == owner
+            is_of_job &= JOBS.c.owner == owner
         with self._database.transaction() as connection:
-            connection.execute(OWNED_STUDIES.delete().where(is_held))
+            connection.execute(OWNED_STUDIES.delete().where(is_owned))
             connection.execute(
-                JOBS.update().where(is_asked, JOBS.c.state == "successful").values(gone=1)
+                JOBS.update().where(is_of_job, JOBS.c.state == "successful").values(gone=1)
             )
 
     def studies(self) -> set[str]:
@@ -156,5 +158,5 @@ def _held_by(owner: str, key: str) -> ColumnElement[bool]:
     return (OWNED_STUDIES.c.owner == owner) & (OWNED_STUDIES.c.key == key)
 
 
-def _holding(row: Row[*tuple[Any, ...]]) -> OwnedStudy:
+def _owned_study(row: Row[*tuple[Any, ...]]) -> OwnedStudy:
     return OwnedStudy(row.owner, row.key, row.bytes, bool(row.result), bool(row.shared), row.used)

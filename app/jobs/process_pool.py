@@ -27,7 +27,7 @@ from vibrafeed.app.jobs.fair_queue import FairQueue
 from vibrafeed.core.errors import StoppedError, VibrafeedError
 from vibrafeed.core.system import end_with_parent, lower_priority
 
-LOOK = 0.5  # s between checks that the client still waits for the result
+CHECK_INTERVAL = 0.5  # s between checks that the client still waits for the result
 CALLS = 500  # calls of a process before a new one replaces it: memory does not pile up
 POLITE = 5  # niceness: the event loop comes first
 ENVIRONMENT = {
@@ -91,9 +91,9 @@ class ProcessPool:
     async def start(self) -> None:
         """Start the processes before the first calls need them."""
         while len(self._idle) + len(self._busy) < self.fair_queue.slots:
-            process = await self._new()
-            await asyncio.wait({_awaited(process.ready)})
-            self._keep(process)
+            process = await self._start_process()
+            await asyncio.wait({_awaitable(process.ready)})
+            self._reuse_or_kill(process)
 
     async def prepare(self) -> None:
         """Do nothing: a process is started when a call needs it."""
@@ -103,8 +103,8 @@ class ProcessPool:
         function: Callable[..., _T],
         *arguments: Any,
         seconds: float = float("inf"),
-        look: Callable[[], Awaitable[None]] | None = None,
-        began: Callable[[], Awaitable[None]] | None = None,
+        check: Callable[[], Awaitable[None]] | None = None,
+        on_start: Callable[[], Awaitable[None]] | None = None,
         grace: float = 0.0,
     ) -> _T:
         """Run a function in a process and return its result; kill the process on timeout.
@@ -115,9 +115,9 @@ class ProcessPool:
             A function of a module, and its arguments; both are pickled, as is the result.
         seconds : float
             Time limit [s], after which the process is killed; the loading of code does not count.
-        look : callable, optional
+        check : callable, optional
             Awaited every half second; if it raises, the process is killed and the error passed on.
-        began : callable, optional
+        on_start : callable, optional
             Awaited once the process has started and takes the call.
         grace : float
             Time that the function may go on after the caller is cancelled [s].
@@ -137,14 +137,14 @@ class ProcessPool:
         """
         process, call = await self._submit(function, arguments)
         try:
-            ready = _awaited(process.ready)
-            await _until_done(ready, float("inf"), look)
+            ready = _awaitable(process.ready)
+            await _until_done(ready, float("inf"), check)
             ready.result()
-            before = process.busy_seconds()
-            if began is not None:
-                await began()
-            if not await _until_done(call, seconds, look):
-                if process.busy_seconds() - before < seconds / 2:
+            busy_before = process.busy_seconds()
+            if on_start is not None:
+                await on_start()
+            if not await _until_done(call, seconds, check):
+                if process.busy_seconds() - busy_before < seconds / 2:
                     raise SlowError(
                         "The machine of the service is busy: the computation was not ready after "
                         f"{seconds:g} s. Send the request again."
@@ -164,7 +164,7 @@ class ProcessPool:
                 await asyncio.wait({call}, timeout=0.0 if self._is_closed else grace)
             self._busy.discard(process)
             if call.done() and not isinstance(call.exception(), BrokenProcessPool):
-                self._keep(process)
+                self._reuse_or_kill(process)
             else:
                 process.kill()
                 await asyncio.wait({call})  # it finds the end of the process
@@ -184,22 +184,20 @@ class ProcessPool:
     async def _submit(
         self, function: Callable[..., _T], arguments: tuple[Any, ...]
     ) -> tuple[_Process, asyncio.Future[_T]]:
-        """Give a call to an idle process, or to a new one if all are busy or have died."""
         while True:
-            process = self._idle.pop() if self._idle else await self._new()
+            process = self._idle.pop() if self._idle else await self._start_process()
             self._busy.add(process)
             try:
-                return process, _awaited(process.submit(function, arguments))
+                return process, _awaitable(process.submit(function, arguments))
             except BrokenProcessPool:  # it died while it was idle
                 self._busy.discard(process)
 
-    async def _new(self) -> _Process:
+    async def _start_process(self) -> _Process:
         if self._is_closed:
             raise LostError("The service stops.")
         return await asyncio.to_thread(_Process, self._modules)
 
-    def _keep(self, process: _Process) -> None:
-        """Keep an idle process for the next call, if it is not old and there are not enough."""
+    def _reuse_or_kill(self, process: _Process) -> None:
         is_spare = len(self._idle) + len(self._busy) >= self.fair_queue.slots
         if self._is_closed or is_spare or process.calls >= CALLS:
             process.kill()
@@ -213,13 +211,13 @@ class _Process:
     def __init__(self, modules: tuple[str, ...]):
         """Start a process, with the method that every system has."""
         spawn = multiprocessing.get_context("spawn")
-        self._connection, there = spawn.Pipe()
+        self._connection, child_end = spawn.Pipe()
         # Daemonic: one that nobody has killed ends with this process, which else waits for it.
-        self._process = spawn.Process(target=_serve, args=(there, modules), daemon=True)
+        self._process = spawn.Process(target=_serve, args=(child_end, modules), daemon=True)
         self._process.start()
         threading.Thread(target=self._process.join, daemon=True).start()  # no zombie stays
         # Nobody else may hold this end: a process that dies amid its reply is seen by that alone.
-        there.close()
+        child_end.close()
         self._thread = ThreadPoolExecutor(1)
         self.ready: Future[None] = self._thread.submit(self._receive)
         self.calls = 0
@@ -258,7 +256,7 @@ class _Process:
         return result
 
 
-def _awaited(call: Future[_T]) -> asyncio.Future[_T]:
+def _awaitable(call: Future[_T]) -> asyncio.Future[_T]:
     # Nobody may ask for the error of a call whose process was killed: asyncio would log it.
     future = asyncio.wrap_future(call)
     future.add_done_callback(lambda done: done.cancelled() or done.exception())
@@ -266,13 +264,14 @@ def _awaited(call: Future[_T]) -> asyncio.Future[_T]:
 
 
 async def _until_done(
-    call: asyncio.Future[Any], seconds: float, look: Callable[[], Awaitable[None]] | None
+    call: asyncio.Future[Any], seconds: float, check: Callable[[], Awaitable[None]] | None
 ) -> bool:
-    until = time.monotonic() + seconds
-    while not call.done() and (left := until - time.monotonic()) > 0:
-        await asyncio.wait({call}, timeout=min(LOOK, left))
-        if look is not None and not call.done():
-            await look()
+    """Wait for a call, at most some seconds, with a check now and then; True if it is done."""
+    deadline = time.monotonic() + seconds
+    while not call.done() and (remaining := deadline - time.monotonic()) > 0:
+        await asyncio.wait({call}, timeout=min(CHECK_INTERVAL, remaining))
+        if check is not None and not call.done():
+            await check()
     return call.done()
 
 

@@ -21,7 +21,7 @@ from vibrafeed.app.jobs.store import Store
 from vibrafeed.app.jobs.tables import OWNED_STUDIES, SIZES, WORK
 from vibrafeed.app.settings import Settings
 
-RIGHT_FOR = 1.0  # s; the largest age of a measurement before something is refused or removed
+MAX_AGE = 1.0  # s; the largest age of a measurement before something is refused or removed
 SPARE = 0.01  # share of the disk that is left to other programs, at most MAX_SPARE
 MAX_SPARE = 100_000_000  # bytes
 
@@ -31,7 +31,7 @@ _CHARGED = case(
     (OWNED_STUDIES.c.result == 0, OWNED_STUDIES.c.bytes),
     else_=func.coalesce(WORK.c.bytes, SIZES.c.bytes, OWNED_STUDIES.c.bytes),
 )
-_HELD = (
+_CHARGES = (
     select(OWNED_STUDIES.c.key, _CHARGED.label("bytes"), WORK.c.key.label("in_work"))
     .select_from(
         OWNED_STUDIES.outerjoin(WORK, WORK.c.key == OWNED_STUDIES.c.key).outerjoin(
@@ -59,7 +59,7 @@ class Quota:
         self.ownership = Ownership(ledger.database)
         self._measured: float | None = None  # when [s, monotonic]
 
-    def look(self, key: str, needed: int, who: Key = NOBODY) -> None:
+    def measure_if_short(self, key: str, needed: int, api_key: Key = NOBODY) -> None:
         """Measure all studies if room may be short; slow, so done before a transaction.
 
         Parameters
@@ -68,21 +68,23 @@ class Quota:
             Identifier of the study that needs room.
         needed : int
             Bytes that its files may take at most.
-        who : Key
+        api_key : Key
             The API key of its owner.
         """
         if self._measured is None:
             self.measure()
-        lacking = max(*self._lacking(key, needed), self._beyond(key, needed, who))
-        if lacking > 0 and time.monotonic() - (self._measured or 0.0) > RIGHT_FOR:
+        missing = max(*self._missing_bytes(key, needed), self._bytes_beyond(key, needed, api_key))
+        if missing > 0 and time.monotonic() - (self._measured or 0.0) > MAX_AGE:
             self.measure()
 
-    def make(self, key: str, needed: int, who: Key = NOBODY, *, is_there: bool = False) -> None:
+    def make_room(
+        self, key: str, needed: int, api_key: Key = NOBODY, *, is_there: bool = False
+    ) -> None:
         """Remove the least recently used studies until a new one fits; those in work stay.
 
         An owner's quota is kept by giving up the owner's records that were used longest ago; the
         quota of the service by removing studies that no other owner holds. Call it inside a
-        transaction of the ledger, after `look`.
+        transaction of the ledger, after `measure_if_short`.
 
         Parameters
         ----------
@@ -90,7 +92,7 @@ class Quota:
             Identifier of the new study, which stays too.
         needed : int
             Bytes that all its files may take at most.
-        who : Key
+        api_key : Key
             The API key of its owner.
         is_there : bool
             True if the study takes no more of the disk: others have it, or it is promised to them.
@@ -100,24 +102,25 @@ class Quota:
         NoRoomError
             If the study does not fit even then; nothing has been removed.
         """
-        own = self._own_studies_to_remove(key, needed, who)
-        leaving = set(own) - self.ownership.of_others(who.name) if own else set()
+        released = self._own_studies_to_release(key, needed, api_key)
+        # Studies that others own too stay on the disk.
+        removed = set(released) - self.ownership.of_others(api_key.name) if released else set()
         if not is_there:
-            leaving |= self._studies_to_remove(key, needed, who, leaving)
-        for other in own:
-            self.ownership.let_go(other, who.name)
-        for other in leaving:
-            self.remove(other)
+            removed |= self._studies_to_remove(key, needed, api_key, removed)
+        for study in released:
+            self.ownership.release(study, api_key.name)
+        for study in removed:
+            self.remove(study)
         if not is_there:
             self._note_size(key, needed)
 
-    def weigh(self, key: str) -> None:
+    def measure_one(self, key: str) -> None:
         """Measure a study that is no longer in work."""
         self._note_size(key, self._store.bytes(key))
 
     def remove(self, key: str) -> None:
         """Remove a study from the disk, and what the ledger has on its owners and its size."""
-        self.ownership.let_go(key)
+        self.ownership.release(key)
         with self._ledger.transaction() as connection:
             connection.execute(SIZES.delete().where(SIZES.c.key == key))
         self._store.remove(key)
@@ -141,11 +144,13 @@ class Quota:
             connection.execute(SIZES.delete().where(SIZES.c.key == key))
             connection.execute(SIZES.insert().values(key=key, bytes=size))
 
-    def _studies_to_remove(self, key: str, needed: int, who: Key, own: set[str]) -> set[str]:
+    def _studies_to_remove(
+        self, key: str, needed: int, api_key: Key, removed: set[str]
+    ) -> set[str]:
         """Return the studies to remove from the disk so that a new one fits.
 
-        `own` are those that the owner gives up in any case. Raises `NoRoomError` if they are too
-        few. The other arguments are those of `make`.
+        `removed` are those that the owner gives up in any case. Raises `NoRoomError` if all are too
+        few.
         """
         quota = self._settings.disk_quota_bytes
         promised = {**self._ledger.promised(), key: needed}
@@ -155,79 +160,78 @@ class Quota:
                 f"is {quota:,} bytes, of which {sum(promised.values()) - needed:,} are reserved "
                 "for running jobs. Post a smaller study, or wait until they end."
             )
-        in_quota, on_disk = self._lacking(key, needed)
-        if max(in_quota, on_disk) <= 0:
+        missing_in_quota, missing_on_disk = self._missing_bytes(key, needed)
+        if max(missing_in_quota, missing_on_disk) <= 0:
             return set()
         sizes = {row.key: row.bytes for row in self._ledger.database.read(select(SIZES))}
-        pinned = self.ownership.of_others(who.name)
-        leaving, freed = set(), sum(sizes.get(other, 0) for other in own)
-        for other in self._store.studies():
-            if freed >= in_quota:
+        of_others = self.ownership.of_others(api_key.name)
+        staying = {*promised, *of_others, *removed}
+        to_remove, freed = set(), sum(sizes.get(study, 0) for study in removed)
+        for study in self._store.studies():  # least recently used first
+            if freed >= missing_in_quota:
                 break
-            if other not in promised and other not in pinned and other not in own:
-                leaving.add(other)
-                freed += sizes.get(other, 0)
-        if in_quota > freed and pinned:
+            if study not in staying:
+                to_remove.add(study)
+                freed += sizes.get(study, 0)
+        if missing_in_quota > freed and of_others:
             raise NoRoomError(
-                f"The study needs up to {needed:,} bytes on disk, {in_quota - freed:,} "
+                f"The study needs up to {needed:,} bytes on disk, {missing_in_quota - freed:,} "
                 "more than the quota of the service leaves, and none of your own results "
                 "can be removed to make room. Post a smaller study."
             )
-        if on_disk > freed:
+        if missing_on_disk > freed:
             raise NoRoomError(
-                f"The study needs up to {needed:,} bytes, {on_disk - freed:,} more than "
+                f"The study needs up to {needed:,} bytes, {missing_on_disk - freed:,} more than "
                 "the disk of the service has free. Post a smaller study."
             )
-        return leaving
+        return to_remove
 
-    def _own_studies_to_remove(self, key: str, needed: int, who: Key) -> list[str]:
+    def _own_studies_to_release(self, key: str, needed: int, api_key: Key) -> list[str]:
         """Return the studies that an owner gives up so that a new one fits into the owner's quota.
 
-        The arguments are those of `make`. Raises `NoRoomError` if giving up all others is not
+        The arguments are those of `make_room`. Raises `NoRoomError` if giving up all others is not
         enough.
         """
-        beyond, leaving = self._beyond(key, needed, who), []
-        for held in self._held(key, who) if beyond > 0 else ():
-            if beyond > 0 and held.in_work is None:
-                leaving.append(held.key)
-                beyond -= held.bytes
+        beyond, to_release = self._bytes_beyond(key, needed, api_key), []
+        for study in self._charges(key, api_key) if beyond > 0 else ():
+            if beyond > 0 and study.in_work is None:
+                to_release.append(study.key)
+                beyond -= study.bytes
         if beyond > 0:
             raise NoRoomError(
                 f"The study needs up to {needed:,} bytes; your key may store "
-                f"{who.bytes:,} bytes, running jobs included. Post a smaller study, or "
+                f"{api_key.bytes:,} bytes, running jobs included. Post a smaller study, or "
                 "dismiss a job."
             )
-        return leaving
+        return to_release
 
-    def _beyond(self, key: str, needed: int, who: Key) -> int:
-        """Return the bytes by which an API key would exceed its quota of storage with a new study.
-
-        The result is negative if there is room, and 0 for a key without quota.
-        """
-        if who.bytes is None:
+    def _bytes_beyond(self, key: str, needed: int, api_key: Key) -> int:
+        """Return the bytes beyond the quota of a key; negative if there is room, 0 without one."""
+        if api_key.bytes is None:
             return 0
-        return sum(held.bytes for held in self._held(key, who)) + needed - who.bytes
+        return sum(study.bytes for study in self._charges(key, api_key)) + needed - api_key.bytes
 
-    def _held(self, key: str, who: Key) -> list[Row[*tuple[Any, ...]]]:
+    def _charges(self, key: str, api_key: Key) -> list[Row[*tuple[Any, ...]]]:
         """Return the charges of an owner for all studies but one, least recently used first."""
-        others = _HELD.where(OWNED_STUDIES.c.owner == who.name, OWNED_STUDIES.c.key != key)
+        others = _CHARGES.where(OWNED_STUDIES.c.owner == api_key.name, OWNED_STUDIES.c.key != key)
         return self._ledger.database.read(others)
 
-    def _lacking(self, key: str, needed: int) -> tuple[int, int]:
+    def _missing_bytes(self, key: str, needed: int) -> tuple[int, int]:
         """Return the bytes that the quota and the disk are short of; negative if there is room.
 
         The second is for the free space of the disk, less a reserve for other programs.
         """
         others = select(WORK.c.bytes, WORK.c.done, WORK.c.blocks).where(WORK.c.key != key)
         in_work = self._ledger.database.read(others)
-        idle = SIZES.c.key.not_in(select(WORK.c.key)) & (SIZES.c.key != key)
-        total = select(func.coalesce(func.sum(SIZES.c.bytes), 0)).where(idle)
-        [(taken,)] = self._ledger.database.read(total)
+        is_idle = SIZES.c.key.not_in(select(WORK.c.key)) & (SIZES.c.key != key)
+        idle = select(func.coalesce(func.sum(SIZES.c.bytes), 0)).where(is_idle)
+        [(idle_bytes,)] = self._ledger.database.read(idle)
         promised = sum(row.bytes for row in in_work) + needed
-        in_quota = int(taken) + promised - self._settings.disk_quota_bytes
-        # What has been written of a promise is owed no more.
-        owed = needed + sum(row.bytes * (1 - row.done / max(1, row.blocks)) for row in in_work)
+        missing_in_quota = int(idle_bytes) + promised - self._settings.disk_quota_bytes
+        # The blocks that are written of a promise take room already: only the rest needs more.
+        unwritten = needed + sum(row.bytes * (1 - row.done / max(1, row.blocks)) for row in in_work)
         with contextlib.suppress(FileNotFoundError):
             disk = shutil.disk_usage(self._settings.data_directory)
-            return in_quota, int(owed + min(SPARE * disk.total, MAX_SPARE)) - disk.free
-        return in_quota, 0
+            reserve = min(SPARE * disk.total, MAX_SPARE)
+            return missing_in_quota, int(unwritten + reserve) - disk.free
+        return missing_in_quota, 0

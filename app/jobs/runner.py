@@ -28,7 +28,7 @@ logger = logging.getLogger("vibrafeed.jobs")
 
 POLL = 0.5  # s between looks at the ledger, in which other servers may have entered work
 RETRY = 2.0  # s before a lost scheduler is tried again
-LOOK = 1.0  # s between looks at whether work is still wanted
+CHECK_INTERVAL = 1.0  # s between looks at whether work is still wanted
 
 
 def next_item(waiting: Sequence[Work], active: Collection[Work], settings: Settings) -> Work | None:
@@ -51,13 +51,13 @@ def next_item(waiting: Sequence[Work], active: Collection[Work], settings: Setti
     owners = Counter(item.asker for item in active)
     is_full = len(active) >= settings.concurrent_jobs
     for item in sorted(waiting, key=lambda item: owners[item.asker]):
-        is_smallest = all(item.price < one.price for one in active)
+        is_smallest = all(item.price < other.price for other in active)
         if item.key not in keys and (is_smallest or not is_full):
             return item
     return None
 
 
-class Witness(Protocol):
+class Observer(Protocol):
     """An observer of work, such as metrics or traces; its methods return at once."""
 
     def began(self, item: Work) -> Mapping[str, str]:
@@ -85,7 +85,7 @@ class Runner:
 
     Attributes
     ----------
-    witnesses : list of Witness
+    observers : list of Observer
         The observers of work, such as metrics and traces; each adds itself.
     """
 
@@ -98,12 +98,12 @@ class Runner:
         self._directory = str(settings.data_directory.resolve())
         self._server = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
         self._dispatcher = Dispatcher(ledger, store, workers, settings)
-        self.witnesses: list[Witness] = []
+        self.observers: list[Observer] = []
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
         self._active: dict[str, tuple[Work, asyncio.Task[None]]] = {}
         self._main: asyncio.Task[None] | None = None
-        self._alone: IO[bytes] | None = None
+        self._lock_file: IO[bytes] | None = None
 
     async def start(self) -> None:
         """Release work that a killed server has left, and begin to claim work."""
@@ -117,8 +117,8 @@ class Runner:
         Leases are released and workers ended. Errors while doing so go to the log, as a lease runs
         out by itself.
         """
-        keeping = [task for _, task in self._active.values()]
-        tasks = [task for task in (self._main, *keeping) if task is not None]
+        working = [task for _, task in self._active.values()]
+        tasks = [task for task in (self._main, *working) if task is not None]
         for task in tasks:
             task.cancel()
         await asyncio.to_thread(self._workers.close)  # tasks wait for what they run
@@ -127,8 +127,8 @@ class Runner:
             await asyncio.to_thread(self._ledger.release, self._server)
         except Exception:  # such as a full disk: the leases run out
             logger.exception("leases cannot be given up")
-        if self._alone is not None:
-            self._alone.close()
+        if self._lock_file is not None:
+            self._lock_file.close()
 
     def wake(self) -> None:
         """Wake the runner, from any thread: work has been added or dropped."""
@@ -141,7 +141,7 @@ class Runner:
             return "no work is looked for"
         return self._workers.trouble
 
-    def waits(self) -> str | None:
+    def waiting_reason(self) -> str | None:
         """Return the reason why unstarted work waits, other than its place in the queue."""
         is_busy = self._workers.fair_queue.waiting
         return self._workers.trouble or ("all workers are busy" if is_busy else None)
@@ -155,17 +155,17 @@ class Runner:
 
         path = Path(self._directory)
         path.mkdir(parents=True, exist_ok=True)
-        self._alone = (path / ".lock").open("ab")
+        self._lock_file = (path / ".lock").open("ab")
         try:
-            fcntl.flock(self._alone, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(self._lock_file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            fcntl.flock(self._alone, fcntl.LOCK_SH)
+            fcntl.flock(self._lock_file, fcntl.LOCK_SH)
             return
         self._ledger.release()
         count = self._store.remove_leftovers(0)
         if count:
             logger.info("files of killed writers removed", extra={"count": count})
-        fcntl.flock(self._alone, fcntl.LOCK_SH)
+        fcntl.flock(self._lock_file, fcntl.LOCK_SH)  # beside other servers
 
     async def _run(self) -> None:
         """Claim work until cancelled: whenever `wake` is called, and every half second.
@@ -197,80 +197,81 @@ class Runner:
         other servers use too.
         """
         while True:
-            candidate = await asyncio.to_thread(self._next)
+            candidate = await asyncio.to_thread(self._next_item)
             if candidate is None:
                 return
             lease = self._settings.lease_seconds
             item = await asyncio.to_thread(self._ledger.claim, self._server, lease, candidate.key)
             if item is not None:  # no other server was quicker
-                keeping = asyncio.create_task(self._keep(item), name=item.key)
-                self._active[item.owner] = item, keeping
+                task = asyncio.create_task(self._work_on(item), name=item.key)
+                self._active[item.owner] = item, task
 
-    def _next(self) -> Work | None:
+    def _next_item(self) -> Work | None:
         active = [item for item, _ in self._active.copy().values()]
         return next_item(self._ledger.waiting(), active, self._settings)
 
-    async def _keep(self, item: Work) -> None:
+    async def _work_on(self, item: Work) -> None:
         """Carry out an item of work while this server has its lease; record how it ended.
 
         It runs as a task. Work that is interrupted by lost workers or a lost ledger is released, to
         be tried again; an item that no job waits for any more, or whose lease is lost, is given up.
         """
-        about: dict[str, Any] = {"key": item.key, "kind": item.process, "blocks": item.blocks}
-        for witness in self.witnesses:
-            about |= witness.began(item)
-        logger.info("work started", extra=about)
+        log_fields: dict[str, Any] = {"key": item.key, "kind": item.process, "blocks": item.blocks}
+        for observer in self.observers:
+            log_fields |= observer.began(item)
+        logger.info("work started", extra=log_fields)
         began, outcome, computed = time.monotonic(), "interrupted", 0
 
-        def note(seconds: float) -> None:
+        def count_block(seconds: float) -> None:
             nonlocal computed
             computed += 1
-            for witness in self.witnesses:
-                witness.computed(item, seconds)
+            for observer in self.observers:
+                observer.computed(item, seconds)
 
-        carrying = asyncio.create_task(self._dispatcher.carry_out(item, note))
+        task = asyncio.create_task(self._dispatcher.carry_out(item, count_block))
         try:
-            await self._hold(item, carrying)
-            if not carrying.done():
+            await self._renew_lease_while(item, task)
+            if not task.done():
                 outcome = "given up"
                 return
-            problem = await self._problem_of(carrying)
-            if problem is not None and await self._dispatcher.is_there(item):
+            problem = await self._problem_of(task)
+            if problem is not None and await self._dispatcher.has_result(item):
                 problem = None  # another server, which took this one for dead, has finished it
             size = await asyncio.to_thread(self._store.bytes, item.key)
             await asyncio.to_thread(self._ledger.end, item, problem, size)
             outcome = "done" if problem is None else "failed"
-            about |= {} if problem is None else {"title": problem["title"]}
+            if problem is not None:
+                log_fields["title"] = problem["title"]
         except LostError as lost:
-            logger.warning("work is tried again: %s", lost, extra=about)
+            logger.warning("work is tried again: %s", lost, extra=log_fields)
             await asyncio.sleep(RETRY)
             with contextlib.suppress(OSError, sqlite3.Error):  # then the lease runs out
                 await asyncio.to_thread(self._ledger.release, item.owner)
         except Exception:
             # Such as a ledger on a full disk: the lease runs out, and the work is tried again.
-            logger.exception("work interrupted", extra=about)
+            logger.exception("work interrupted", extra=log_fields)
         finally:
-            carrying.cancel()
-            await asyncio.gather(carrying, return_exceptions=True)
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
             seconds = time.monotonic() - began
-            about |= {"computed": computed, "seconds": round(seconds, 3)}
-            logger.info("work %s", outcome, extra=about)
-            for witness in self.witnesses:
-                witness.ended(item, outcome, seconds)
+            log_fields |= {"computed": computed, "seconds": round(seconds, 3)}
+            logger.info("work %s", outcome, extra=log_fields)
+            for observer in self.observers:
+                observer.ended(item, outcome, seconds)
             self._active.pop(item.owner, None)
             self._wake.set()
 
-    async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
+    async def _renew_lease_while(self, item: Work, task: asyncio.Task[None]) -> None:
         """Renew the lease of an item of work until the task that computes it ends.
 
-        `carrying` is that task. Return early if the lease is lost or no client wants the work any
+        Return early if the lease is lost or no client wants the work any
         more. Raises the ledger's error only if it lasts longer than the lease.
         """
         lease = self._settings.lease_seconds
         renewed = time.monotonic()
-        while not carrying.done():
-            await asyncio.wait([carrying], timeout=min(LOOK, lease / 4))
-            if carrying.done():
+        while not task.done():
+            await asyncio.wait([task], timeout=min(CHECK_INTERVAL, lease / 4))
+            if task.done():
                 return
             age = time.monotonic() - renewed
             try:
@@ -279,19 +280,19 @@ class Runner:
                 if age > lease / 4:
                     if not await asyncio.to_thread(self._ledger.renew, item, lease):
                         return
-                    renewed += age
+                    renewed += age  # the time before the renewal: it may have taken long
             except (OSError, sqlite3.Error):
                 if age > lease:  # till then nobody else has it, and the ledger may come back
                     raise
 
-    async def _problem_of(self, carrying: asyncio.Task[None]) -> Mapping[str, Any] | None:
+    async def _problem_of(self, task: asyncio.Task[None]) -> Mapping[str, Any] | None:
         """Return the problem document of failed work: status, kind, title, detail.
 
-        None for success. `carrying` is the task that carries the work out. Errors that pass by
+        None for success. Errors that pass by
         themselves, as of lost workers or a busy disk, are raised, and the work is tried again.
         """
         try:
-            await carrying
+            await task
         except (LostError, sqlite3.OperationalError):  # it is tried again
             raise
         except TooLongError as error:
@@ -304,7 +305,7 @@ class Runner:
             logger.exception("storage failed")
             return _problem(507, "storage", "The disk loses written data", error)
         except OSError as error:
-            if disk.passes(error):
+            if disk.is_temporary(error):
                 raise LostError(str(error)) from error
             logger.exception("storage failed")
             return disk.problem(error)

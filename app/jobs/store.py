@@ -141,7 +141,7 @@ class Store(Blocks):
         cells: int,
         blocks: int,
         seconds: float,
-        more: Callable[[Path, Path], Iterable[Path]] | None = None,
+        write_more: Callable[[Path, Path], Iterable[Path]] | None = None,
     ) -> Manifest:
         """Write a result from its table, then its manifest; remove its blocks. Return the manifest.
 
@@ -157,7 +157,7 @@ class Store(Blocks):
             Cells of the study, and number of blocks that they were computed in.
         seconds : float
             Computing time [s], summed over workers.
-        more : callable, optional
+        write_more : callable, optional
             Called with the NetCDF file and a folder; writes further files there and returns their
             paths.
         """
@@ -175,9 +175,9 @@ class Store(Blocks):
                 with whole(folder / JSON) as temporary:
                     temporary.write_bytes(orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY))
                 names.append(JSON)
-            if more is not None:
+            if write_more is not None:
                 with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
-                    for path in more(folder / NETCDF, Path(scratch)):
+                    for path in write_more(folder / NETCDF, Path(scratch)):
                         with whole(folder / path.name) as temporary:
                             path.replace(temporary)
                         names.append(path.name)
@@ -242,12 +242,12 @@ class Store(Blocks):
             Facts for the manifest on the computation, such as its time.
         """
         with self._locked(key) as folder:
-            known = self.manifest(key)
-            if known is not None:
+            existing = self.manifest(key)
+            if existing is not None:
                 self.drop_blocks(key)
-                return known
+                return existing
             names = write(folder)
-            files = {name: _known(folder, name) for name in names}
+            files = {name: _manifest_entry(folder, name) for name in names}
             manifest = Manifest(key=key, version=code_version(), files=files, **asdict(making))
             with whole(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
@@ -329,7 +329,7 @@ class Store(Blocks):
         return count
 
 
-def _known(folder: Path, name: str) -> dict[str, Any]:
+def _manifest_entry(folder: Path, name: str) -> dict[str, Any]:
     """Return size and SHA-256 of a file of a result, as its manifest records them.
 
     For a Zarr group the size is that of all its files, and the digest that of their list of
@@ -347,8 +347,8 @@ def _has_size(folder: Path, name: str, manifest: Manifest) -> bool:
     `folder` is the study's, `name` the file's; `manifest` has the sizes.
     """
     if name == ZARR:
-        listed = "sha256" not in manifest.files[name] or (folder / LIST).is_file()
-        return listed and (folder / ZARR / GROUP).is_file()
+        has_list = "sha256" not in manifest.files[name] or (folder / LIST).is_file()
+        return has_list and (folder / ZARR / GROUP).is_file()
     try:
         return (folder / name).stat().st_size == manifest.files[name]["bytes"]
     except FileNotFoundError:

@@ -21,8 +21,8 @@ from vibrafeed.core.study.grid_study import Study
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 USED_EVERY = 3600.0  # s; a study's time of last use is written at most once in this time
-MAX_KNOWN = 64  # studies that are kept in memory
-MAX_KNOWN_BYTES = 8_000_000  # of their texts; values take three times that in memory
+MAX_CACHED = 64  # studies that are kept in memory
+MAX_CACHED_BYTES = 8_000_000  # of their texts; values take three times that in memory
 
 
 def identifier(study: Study, process: str | None = None) -> str:
@@ -47,9 +47,9 @@ class Studies:
         """Use the folder `studies` of a data directory; none is read yet."""
         self.directory = directory / "studies"
         self._lock = threading.Lock()
-        # That were asked for last, whether the identifier is the study's own, for no process, and
-        # the bytes of its text.
-        self._known: OrderedDict[str, tuple[Prepared, bool, int]] = OrderedDict()
+        # The studies used last, each with True if the identifier is the one that this version gives
+        # it, and with the bytes of its text.
+        self._cached: OrderedDict[str, tuple[Prepared, bool, int]] = OrderedDict()
 
     def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
         """Store a study in the folder of its identifier.
@@ -90,10 +90,10 @@ class Studies:
         try:
             prepared, is_own = self._get(key)
         except StudyError:  # it was sound when it was posted
-            raise _not_own(key, None) from None
+            raise _no_sweep_error(key, None) from None
         if is_sweep(prepared) and is_own:
             return prepared
-        raise _not_own(key, prepared)
+        raise _no_sweep_error(key, prepared)
 
     def _get(self, key: str) -> tuple[Prepared, bool]:
         """Return a stored study, and True if its identifier is that which this version gives to it.
@@ -110,11 +110,11 @@ class Studies:
         """
         path = self.folder(key) / "study.json"
         with self._lock:
-            known = self._known.get(key)
-            if known is not None and path.exists():  # it may have been removed
-                self._known.move_to_end(key)
+            cached = self._cached.get(key)
+            if cached is not None and path.exists():  # it may have been removed
+                self._cached.move_to_end(key)
                 self.note_use(key)
-                return known[:2]
+                return cached[:2]
         try:
             content = path.read_bytes()
         except FileNotFoundError:
@@ -123,13 +123,13 @@ class Studies:
         prepared = prepare_content(read_json(content))
         is_own = identifier(prepared.study) == key
         with self._lock:
-            self._known[key] = prepared, is_own, len(content)
-            self._known.move_to_end(key)
+            self._cached[key] = prepared, is_own, len(content)
+            self._cached.move_to_end(key)
             while (
-                len(self._known) > MAX_KNOWN
-                or sum(size for *_, size in self._known.values()) > MAX_KNOWN_BYTES
+                len(self._cached) > MAX_CACHED
+                or sum(size for *_, size in self._cached.values()) > MAX_CACHED_BYTES
             ):
-                self._known.popitem(last=False)
+                self._cached.popitem(last=False)
         return prepared, is_own
 
     def folder(self, key: str) -> Path:
@@ -148,10 +148,10 @@ class Studies:
         with contextlib.suppress(FileNotFoundError):
             for folder in self.directory.iterdir():
                 if IDENTIFIER.fullmatch(folder.name):
-                    uses.append((self.used(folder.name), folder.name))
+                    uses.append((self.last_use(folder.name), folder.name))
         return [key for _, key in sorted(uses)]
 
-    def used(self, key: str) -> float:
+    def last_use(self, key: str) -> float:
         """Return the time of a study's last use [s since the epoch], to an hour; 0 if it is gone.
 
         `key` is the study's identifier.
@@ -179,7 +179,7 @@ def is_sweep(prepared: Prepared) -> bool:
     return prepared.study.kind == "sweep" and prepared.not_lazy is None
 
 
-def _not_own(key: str, prepared: Prepared | None) -> VibrafeedError:
+def _no_sweep_error(key: str, prepared: Prepared | None) -> VibrafeedError:
     """Return the error for a stored study that is not a sweep of this version.
 
     `key` is the identifier that a client asks for; `prepared` is the stored study, None if this

@@ -69,9 +69,9 @@ class Task:
 def task_of(prepared: Prepared, process: str, settings: Settings) -> Task:
     """Return the task of carrying out a process on a study; the settings say how it is cut."""
     study = prepared.study
-    block_cells, count = blocks(prepared, process, settings)
+    block_cells, count = cut_into_blocks(prepared, process, settings)
     if process in KINDS:
-        # Blocks and the result are there at the same time, for a moment.
+        # For a moment both the blocks and the result are on the disk.
         needed = 2 * prepared.bytes
         price = prepared.price.of(prepared.cells)
     else:
@@ -80,7 +80,7 @@ def task_of(prepared: Prepared, process: str, settings: Settings) -> Task:
     return Task(key, process, text, prepared.cells, block_cells, count, needed, price)
 
 
-def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
+def cut_into_blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
     """Return the number of cells of a block, or `IN_GROUP`, and the number of blocks of a job.
 
     A block is what a worker computes at a time. A report of accuracy is one block.
@@ -122,7 +122,7 @@ def missing_blocks(directory: str, key: str, process: str, cells: int, count: in
     store = Store(Path(directory))
     if cells != IN_GROUP or process not in KINDS:
         return [index for index in range(count) if not store.has_block(key, cells, index)]
-    if store.has_group(key):  # joined already, and not yet told so
+    if store.has_group(key):  # complete: the server died before it noted so
         return []
     prepared = _study(directory, key)
     group = large.group_of_job(store, key, prepared)
@@ -212,7 +212,9 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
             prepared = _study(directory, key)
             pieces = Cut(prepared, cells)
             count = len(pieces)
-            blocks = ((pieces.box(i), store.read_block(key, cells, i)) for i in range(count))
+            blocks = (
+                (pieces.box(index), store.read_block(key, cells, index)) for index in range(count)
+            )
             computed = join(prepared, blocks)
             table = KINDS[prepared.study.kind].label(prepared, computed, Watch())
             store.finish(

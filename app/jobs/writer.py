@@ -50,7 +50,7 @@ class Writer:
         self._process_pool = process_pool
 
     async def write(
-        self, key: str, sweep: Prepared, who: Key, look: Callable[[], Awaitable[None]]
+        self, key: str, sweep: Prepared, api_key: Key, check: Callable[[], Awaitable[None]]
     ) -> Manifest:
         """Compute a sweep and write its file, unless it exists; return its manifest.
 
@@ -60,9 +60,9 @@ class Writer:
             Identifier of the sweep.
         sweep : Prepared
             The sweep, ready to be computed.
-        who : Key
+        api_key : Key
             The API key that asks for the file, in whose quota it counts.
-        look : callable
+        check : callable
             Awaited every half second; if it raises, the work is ended.
 
         Raises
@@ -72,12 +72,12 @@ class Writer:
         NoRoomError
             If the file would not fit.
         """
-        await asyncio.to_thread(self._make_room, key, sweep.bytes, who)
+        await asyncio.to_thread(self._make_room, key, sweep.bytes, api_key)
         # Should it have made room for another meanwhile.
         await asyncio.to_thread(self._store.add, sweep.study)
         directory = str(self._settings.data_directory.resolve())
-        most = TIMES * self._settings.max_execution_seconds
-        await self._process_pool(write_sweep_file, directory, key, seconds=most, look=look)
+        max_seconds = TIMES * self._settings.max_execution_seconds
+        await self._process_pool(write_sweep_file, directory, key, seconds=max_seconds, check=check)
         manifest = await asyncio.to_thread(self._store.manifest, key)
         if manifest is None:
             raise NoRoomError(
@@ -85,7 +85,7 @@ class Writer:
             )
         return manifest
 
-    async def known(self, key: str) -> Manifest | None:
+    async def manifest_of(self, key: str) -> Manifest | None:
         """Return the manifest of a sweep's file; None if it is not written yet or is damaged.
 
         A damaged file is removed. `key` is the sweep's identifier.
@@ -101,8 +101,8 @@ class Writer:
         with file:
             if await self._store.integrity.is_intact(file, manifest.files[NETCDF]["sha256"]):
                 return manifest
-            found = os.fstat(file.fileno())
-        await asyncio.to_thread(self._store.remove_file, key, path, found)
+            damaged = os.fstat(file.fileno())
+        await asyncio.to_thread(self._store.remove_file, key, path, damaged)
         return None
 
     def check(self, sweep: Prepared) -> None:

@@ -45,8 +45,8 @@ def preferred(accept: str, offered: tuple[str, ...]) -> str | None:
         return offered[0]
 
     def weight(name: str) -> float:
-        closest = (name, f"{name.partition('/')[0]}/*", "*/*")
-        return next((ranges[one] for one in closest if one in ranges), 0.0)
+        closest_first = (name, f"{name.partition('/')[0]}/*", "*/*")
+        return next((ranges[media] for media in closest_first if media in ranges), 0.0)
 
     best = max(offered, key=weight)  # the first of equals
     return best if weight(best) > 0 else None

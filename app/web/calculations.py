@@ -46,7 +46,7 @@ def convert_study(body: bytes, to: str, base: str) -> str:
 
 
 def execute_at_once(
-    name: str, body: bytes, settings: Settings, most_cells: int | None, threads: int | None = None
+    name: str, body: bytes, settings: Settings, max_cells: int | None, threads: int | None = None
 ) -> bytes | Task:
     """Return the JSON reply to a short study; its task if the study is to become a job.
 
@@ -61,14 +61,14 @@ def execute_at_once(
         The execute request as JSON.
     settings : Settings
         The service's.
-    most_cells : int or None
+    max_cells : int or None
         The most cells that the API key may ask for; None without limit.
     threads : int, optional
         Threads among which cells are shared out; one a core if left out.
     """
-    prepared, as_document = _read_study(name, body, settings, most_cells)
-    few_values = prepared.stored * len(prepared.dims) <= MAX_JSON_VALUES
-    if not few_values or prepared.seconds > settings.max_synchronous_seconds:
+    prepared, as_document = _read_study(name, body, settings, max_cells)
+    is_small = prepared.stored * len(prepared.dims) <= MAX_JSON_VALUES
+    if not is_small or prepared.seconds > settings.max_synchronous_seconds:
         return task_of(prepared, name, settings)
     deadline = time.monotonic() + settings.max_execution_seconds
     watch = Watch(deadline=deadline, threads=threads)
@@ -90,7 +90,7 @@ def execute_at_once(
 
 
 @lru_cache(maxsize=KEPT)
-def _sweep(text: str) -> Prepared:
+def _read_kept_sweep(text: str) -> Prepared:
     return prepare_content(orjson.loads(text))
 
 
@@ -109,7 +109,7 @@ def encode_slice_of(
     `vibrafeed.core.sweep.slice.prepare_cut`, whose errors it raises; `threads` is as in
     `compute_slice`.
     """
-    cut = prepare_cut(_sweep(text), output=output, axes=axes, at=at, most=most)
+    cut = prepare_cut(_read_kept_sweep(text), output=output, axes=axes, at=at, most=most)
     return encode_slice(cut, form, threads)
 
 
@@ -133,51 +133,52 @@ def encode_binary(piece: dict[str, Any]) -> bytes:
     values: list[memoryview] = []  # not copied before they are joined
     offset = 0
 
-    def placed(array: np.ndarray[Any, Any]) -> dict[str, Any]:
+    def append(array: np.ndarray[Any, Any]) -> dict[str, Any]:
         """Append an array's bytes to the values; return its type, offset and shape."""
         nonlocal offset
-        place = {"dtype": array.dtype.newbyteorder("<").str, "offset": offset}
+        entry = {"dtype": array.dtype.newbyteorder("<").str, "offset": offset}
         raw = np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
         values.append(raw.data)
         offset += raw.nbytes
-        return {**place, "shape": list(array.shape)}
+        return {**entry, "shape": list(array.shape)}
 
     header = {**piece}
-    header["axes"] = [{**axis, "values": placed(axis["values"])} for axis in piece["axes"]]
+    header["axes"] = [{**axis, "values": append(axis["values"])} for axis in piece["axes"]]
     for name in ("values", "regime"):  # the single bytes last, so that floats are aligned
-        header[name] = {"dims": piece[name]["dims"], "data": placed(piece[name]["data"])}
+        header[name] = {"dims": piece[name]["dims"], "data": append(piece[name]["data"])}
     text = orjson.dumps(header)
-    text += b" " * (-len(text) % 8)
+    text += b" " * (-len(text) % 8)  # the values begin at a multiple of 8 bytes
     return b"".join((len(text).to_bytes(8, "little"), text, *values))
 
 
-def read_task(name: str, body: bytes, settings: Settings, most_cells: int | None) -> Task:
+def read_task(name: str, body: bytes, settings: Settings, max_cells: int | None) -> Task:
     """Return the task of the study in a request body, read and priced.
 
     The arguments are those of `execute_at_once`. Raises `StudyError` or `LimitError` if it cannot
     be carried out.
     """
-    prepared, _ = _read_study(name, body, settings, most_cells)
+    prepared, _ = _read_study(name, body, settings, max_cells)
     return task_of(prepared, name, settings)
 
 
 def _read_study(
-    name: str, body: bytes, settings: Settings, most_cells: int | None
+    name: str, body: bytes, settings: Settings, max_cells: int | None
 ) -> tuple[Prepared, bool]:
+    """Return the study of a request, within the limits, and whether to reply by a document."""
     study, as_document = read_execution(read_json(body), name)
     prepared = prepare_content(study)
-    if name == ACCURACY:  # it takes some cells of a grid
+    if name == ACCURACY:  # only some cells of the grid are computed
         prepared.check_limits(cells=settings.max_sweep_cells, bytes_=prepared.bytes)
     elif is_large(prepared, settings):
         check_length(prepared, settings)
     else:
         prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
-    prepared.check_limits(cells=most_cells, bytes_=None)
+    prepared.check_limits(cells=max_cells, bytes_=None)
     return prepared, as_document
 
 
 def read_sweep(
-    body: bytes, settings: Settings, most_cells: int | None
+    body: bytes, settings: Settings, max_cells: int | None
 ) -> tuple[str, str, dict[str, Any]]:
     """Return identifier, canonical text and description of the sweep in a request body.
 
@@ -189,7 +190,7 @@ def read_sweep(
         if size > settings.max_axis_values:
             fix = f"Give {name} {settings.max_axis_values:,} values or fewer"
             raise LimitError("values on one axis", size, settings.max_axis_values, fix)
-    sweep.check_limits(cells=most_cells, bytes_=None)
+    sweep.check_limits(cells=max_cells, bytes_=None)
     key = identifier(sweep.study)
     document = {**describe_sweep(key, sweep), "warnings": [*sweep.questions]}
     return key, sweep.study.canonical(), document
@@ -202,12 +203,10 @@ def describe_sweep(key: str, sweep: Prepared) -> dict[str, Any]:
     """
     equations = {equation.gives: equation for equation in sweep.plan.equations}
     verdicts = sweep.plan.verdicts
-    labels = {
-        one.name: regime_attributes(one.regimes, one.outputs if len(verdicts) > 1 else ())[
-            "long_name"
-        ]
-        for one in verdicts
-    }
+    labels = {}
+    for verdict in verdicts:
+        judged = verdict.outputs if len(verdicts) > 1 else ()
+        labels[verdict.name] = regime_attributes(verdict.regimes, judged)["long_name"]
     return {
         "id": key,
         "study": sweep.study.content(),

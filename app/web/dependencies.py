@@ -25,12 +25,12 @@ from vibrafeed.app.web.zarr_views import ZarrViews
 MAX_DIGITS = 20  # of a length that fits a limit
 
 
-def _part(name: str) -> Any:
+def _from_state(name: str) -> Any:
 
-    async def part(request: Request) -> Any:
+    async def read(request: Request) -> Any:
         return getattr(request.app.state, name)
 
-    return Depends(part)
+    return Depends(read)
 
 
 async def who_of(request: Request) -> keys.Key:
@@ -43,16 +43,16 @@ async def base_of(request: Request) -> str:
     return str(request.base_url).rstrip("/")
 
 
-def refuse_repeated(*several: str) -> params.Depends:
+def refuse_repeated(*repeatable: str) -> params.Depends:
     """Return a dependency of a route that refuses repeated query parameters.
 
-    `several` are the names of the parameters that may be repeated.
+    `repeatable` are the names of the parameters that may be repeated.
     """
 
     async def check(request: Request) -> None:
         """Raise `RequestValidationError`, which becomes a 422, if a query parameter is repeated."""
         names = Counter(name for name, _ in request.query_params.multi_items())
-        repeated = [name for name, times in names.items() if times > 1 and name not in several]
+        repeated = [name for name, times in names.items() if times > 1 and name not in repeatable]
         message = "the parameter is given more than once"
         if repeated:
             raise RequestValidationError(
@@ -84,11 +84,11 @@ async def body_of(request: Request) -> bytes:
     return b"".join(pieces)
 
 
-SettingsOf = Annotated[Settings, _part("settings")]
-StoreOf = Annotated[Store, _part("store")]
-WriterOf = Annotated[Writer, _part("writer")]
-AdmissionOf = Annotated[Admission, _part("admission")]
-ViewsOf = Annotated[ZarrViews, _part("views")]
+SettingsOf = Annotated[Settings, _from_state("settings")]
+StoreOf = Annotated[Store, _from_state("store")]
+WriterOf = Annotated[Writer, _from_state("writer")]
+AdmissionOf = Annotated[Admission, _from_state("admission")]
+ViewsOf = Annotated[ZarrViews, _from_state("views")]
 WhoOf = Annotated[keys.Key, Depends(who_of)]
 BaseOf = Annotated[str, Depends(base_of)]
 Body = Annotated[bytes, Depends(body_of)]
@@ -103,8 +103,8 @@ async def readable_sweep(
     `key` is the identifier in the path. Each dependency takes FastAPI some 20 microseconds: what
     the application holds is taken from the request.
     """
-    who, admission = request.state.key, request.app.state.admission
-    if who.sees_all or await run_in_threadpool(admission.may_read, key, who):
+    api_key, admission = request.state.key, request.app.state.admission
+    if api_key.sees_all or await run_in_threadpool(admission.may_read, key, api_key):
         return key
     raise unknown(key)
 
@@ -117,8 +117,8 @@ async def readable_job(
 
     `number` is the identifier in the path.
     """
-    who, admission = request.state.key, request.app.state.admission
-    if who.sees_all or await run_in_threadpool(admission.job, number, who) is not None:
+    api_key, admission = request.state.key, request.app.state.admission
+    if api_key.sees_all or await run_in_threadpool(admission.job, number, api_key) is not None:
         return number
     raise no_such_job(number)
 

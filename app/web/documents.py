@@ -170,7 +170,7 @@ def description(name: str, process: Process, base: str, schema: bytes) -> dict[s
 
 
 def status_info(
-    job: Job, base: str, *, is_group: bool = False, waits: str | None = None
+    job: Job, base: str, *, is_group: bool = False, waiting_reason: str | None = None
 ) -> dict[str, Any]:
     """Return the status document of a job, with its progress, the time left and links.
 
@@ -182,29 +182,27 @@ def status_info(
         The service's address, for links.
     is_group : bool
         True if the result is a Zarr group that can be read already.
-    waits : str or None
+    waiting_reason : str or None
         The reason why unstarted work waits, other than its place in the queue.
     """
-    share = job.done / job.blocks if job.blocks else 0.0
+    fraction_done = job.done / job.blocks if job.blocks else 0.0
     # The last percent is the writing of the result.
-    progress = 100 if job.state == "successful" else min(99, int(100 * share))
-    left = None
+    progress = 100 if job.state == "successful" else min(99, int(100 * fraction_done))
+    seconds_left = None
     # Negative where the clock has been set: the next block that is noted puts it right.
     elapsed = -1.0 if job.began is None else time.time() - job.began
-    if elapsed >= 0 and job.done > job.done_then:
-        pace = elapsed / (job.done - job.done_then)
-        left = round(pace * (job.blocks - job.done), 1)
-    here = f"{base}/jobs/{job.id}"
+    done_since = job.done - job.done_then
+    if elapsed >= 0 and done_since > 0:
+        seconds_left = round(elapsed / done_since * (job.blocks - job.done), 1)
+    url = f"{base}/jobs/{job.id}"
     links = [
-        _link(here, "self", "This document"),
-        _link(f"{here}/events", "monitor", "The status as a stream of events", "text/event-stream"),
+        _link(url, "self", "This document"),
+        _link(f"{url}/events", "monitor", "The status as a stream of events", "text/event-stream"),
     ]
     if job.state == "successful" and not job.gone:
-        links.append(_link(f"{here}/results", RESULTS, "The results"))
+        links.append(_link(f"{url}/results", RESULTS, "The results"))
     if is_group:
-        links.append(
-            _link(f"{here}/results/zarr", "item", "The results computed so far", ZARR_TYPE)
-        )
+        links.append(_link(f"{url}/results/zarr", "item", "The results computed so far", ZARR_TYPE))
     if job.process == "sweep":
         links.append(
             _link(f"{base}/sweeps/{job.key}", "related", "The sweep, to be read in slices")
@@ -214,15 +212,15 @@ def status_info(
         "type": "process",
         "jobID": job.id,
         "status": job.state,
-        "message": _message(job, waits),
+        "message": _message(job, waiting_reason),
         "created": _time(job.created),
         "started": _time(job.started),
         "finished": _time(job.finished),
         "updated": _time(job.finished or time.time()),
         "progress": progress,
         "cells": job.cells,
-        "cellsDone": job.cells if job.state == "successful" else int(job.cells * share),
-        "secondsLeft": left,
+        "cellsDone": job.cells if job.state == "successful" else int(job.cells * fraction_done),
+        "secondsLeft": seconds_left,
         "elapsedSeconds": job.seconds,
         "study": job.key,
         "owner": job.owner or None,
@@ -237,13 +235,13 @@ def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
 
     `manifest` lists the files; `base` is the address of the service, for links.
     """
-    here = f"{base}/jobs/{job.id}/results"
+    url = f"{base}/jobs/{job.id}/results"
     others = [name for name in manifest.files if name not in (NETCDF, ZARR, JSON)]
     is_group = ZARR in manifest.files
     title = "a Zarr v3 group, for a Zarr client to open" if is_group else "a CF-1.11 NetCDF-4 file"
     document: dict[str, Any] = {
         "dataset": {
-            "href": f"{here}/{'zarr' if is_group else 'dataset'}",
+            "href": f"{url}/{'zarr' if is_group else 'dataset'}",
             "type": ZARR_TYPE if is_group else NETCDF_TYPE,
             "title": f"The dataset as {title}",
             "length": manifest.files[ZARR if is_group else NETCDF]["bytes"],
@@ -254,7 +252,7 @@ def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
     }
     if others:
         document["files"] = [
-            _link(f"{here}/files/{name}", "item", name, media_type_of(name)) for name in others
+            _link(f"{url}/files/{name}", "item", name, media_type_of(name)) for name in others
         ]
     return document
 
@@ -266,10 +264,10 @@ def media_type_of(name: str) -> str:
     )
 
 
-def _message(job: Job, waits: str | None) -> str:
+def _message(job: Job, waiting_reason: str | None) -> str:
     """Return a sentence about the state of a job for its status document.
 
-    `waits` is the reason why unstarted work waits, other than its place in the queue.
+    `waiting_reason` is the reason why unstarted work waits, other than its place in the queue.
     """
     if job.gone:
         return "The result was removed to make room. Post the study again."
@@ -281,7 +279,9 @@ def _message(job: Job, waits: str | None) -> str:
     if job.state not in ACTIVE:
         return "The results are ready." if job.state == "successful" else "The job failed."
     if job.state == "accepted":
-        return f"The job waits: {waits}." if waits else "The job waits for its turn."
+        return (
+            f"The job waits: {waiting_reason}." if waiting_reason else "The job waits for its turn."
+        )
     return f"{job.done:,} of {job.blocks:,} blocks are done."
 
 

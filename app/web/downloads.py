@@ -38,7 +38,7 @@ def not_modified(request: Request, etag: str, cache: str) -> Response | None:
 
     None if the content has to be sent. `cache` is the reply's Cache-Control header.
     """
-    if not _names(request.headers.getlist("if-none-match"), etag):
+    if not _has_etag(request.headers.getlist("if-none-match"), etag):
         return None
     return Response(status_code=304, headers={"ETag": etag, "Cache-Control": cache})
 
@@ -51,9 +51,9 @@ async def made_document(request: Request, make: Callable[[], bytes]) -> Response
     """
     content = await to_thread.run_sync(make, limiter=request.app.state.one_document)
     etag = etag_of(content.decode())
-    there = not_modified(request, etag, ASK_AGAIN)
+    unchanged = not_modified(request, etag, ASK_AGAIN)
     headers = {"ETag": etag, "Cache-Control": ASK_AGAIN}
-    return there or Response(content, media_type="application/json", headers=headers)
+    return unchanged or Response(content, media_type="application/json", headers=headers)
 
 
 def file_reply(
@@ -87,13 +87,13 @@ def file_reply(
         If the file has been removed.
     """
     etag = etag or f'"{digest}"'
-    wanted = request.headers.getlist("if-match")
-    if wanted and not _names(wanted, etag, strong=True):
+    if_match = request.headers.getlist("if-match")
+    if if_match and not _has_etag(if_match, etag, strong=True):
         detail = f"The file's ETag is {etag}, which If-Match does not name."
         return problem_document(412, "precondition", "The file has changed", detail)
-    known = not_modified(request, etag, ASK_AGAIN)
-    if known is not None:
-        return known
+    unchanged = not_modified(request, etag, ASK_AGAIN)
+    if unchanged is not None:
+        return unchanged
     headers = {"ETag": etag, "Cache-Control": ASK_AGAIN}
     if digest is not None:
         encoded = base64.b64encode(bytes.fromhex(digest)).decode()
@@ -115,7 +115,7 @@ def _status_of(path: Path) -> os.stat_result:
         ) from None
 
 
-def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
+def _has_etag(headers: list[str], etag: str, *, strong: bool = False) -> bool:
     """True if the values of an ETag header, such as If-Match, name this ETag or ``*``.
 
     `headers` are the values of all headers of this name. With `strong`, a weak ETag (``W/"..."``)
@@ -123,5 +123,5 @@ def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
     """
     if any(header.strip() == "*" for header in headers):
         return True
-    found = _TAGS.findall(",".join(headers))
-    return any(tag == etag and not (weak and strong) for weak, tag in found)
+    tags = _TAGS.findall(",".join(headers))
+    return any(tag == etag and not (weak and strong) for weak, tag in tags)

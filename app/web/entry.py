@@ -65,7 +65,7 @@ class Entry:
         # In this process's memory: of several servers each allows so many.
         self._rates = MovingWindowRateLimiter(MemoryStorage())
 
-    async def look(self) -> None:
+    async def refresh_keys(self) -> None:
         """Read the API keys from the ledger if due; requests meanwhile use the keys read before.
 
         One request reads at a time, in a thread. The others wait only if the known keys are old.
@@ -79,7 +79,7 @@ class Entry:
             if not self._is_looking:
                 self._is_looking = True
                 try:
-                    await asyncio.to_thread(self.keys.look)
+                    await asyncio.to_thread(self.keys.refresh)
                 finally:
                     self._is_looking = False
             elif self.keys.is_fresh:
@@ -99,40 +99,41 @@ class Entry:
             return None
         sent = set(_sent_keys(headers))
         if len(sent) > MAX_KEYS:
-            return _without(f"{len(sent):,} keys are sent. Send one.")
+            return _key_needed(f"{len(sent):,} keys are sent. Send one.")
         if not sent:
-            return _without("Send a key: `Authorization: Bearer KEY`, or `X-API-Key: KEY`.")
+            return _key_needed("Send a key: `Authorization: Bearer KEY`, or `X-API-Key: KEY`.")
         now = time.time()
         # One wrong key among right ones is refused: a client that sends it is mistaken.
-        keys = [self.keys.of_hash(hash_of(word)) for word in sent]
-        names = {key.name for key in keys if key is not None and key.stands(now)}
-        if len(names) != 1 or not all(key is not None and key.stands(now) for key in keys):
-            known = next((key.name for key in keys if key is not None), "")
-            return await self._refuse_key(str((scope.get("client") or ("",))[0]), known)
+        keys = [self.keys.of_hash(hash_of(secret)) for secret in sent]
+        names = {key.name for key in keys if key is not None and key.in_force(now)}
+        if len(names) != 1 or not all(key is not None and key.in_force(now) for key in keys):
+            name = next((key.name for key in keys if key is not None), "")
+            return await self._refuse_key(str((scope.get("client") or ("",))[0]), name)
+        # All are one key: a name has only one key in force.
         (key,) = {key.hash: key for key in keys if key is not None}.values()
         logs.bind(key=key.name)
         scope.setdefault("state", {})["key"] = key
-        return self._beyond(scope, key)
+        return self._refuse_by_limits(scope, key)
 
-    async def _refuse_key(self, address: str, known: str) -> Response:
+    async def _refuse_key(self, address: str, name: str) -> Response:
         """Return the reply to a wrong key: 401, or 429 after very many of an address.
 
-        The first of an address in a minute goes to the audit log. `known` is the name of the key if
-        it was in force once, else empty.
+        The first of an address in a minute goes to the audit log. `name` is that of the key if it
+        was in force once, else empty.
         """
         if self._rates.hit(FIRST, "first", address) and self._rates.hit(NOTED, "noted"):
             try:
-                await asyncio.to_thread(self.keys.note_refused, address, known)
+                await asyncio.to_thread(self.keys.note_refused, address, name)
             except Exception:  # such as a full disk: the key is refused all the same
                 logger.exception("a refused key cannot be noted")
         if self._rates.hit(INVALID, "invalid", address):
-            return _without("The access key is unknown.")
+            return _key_needed("The access key is unknown.")
         return problem_document(
             429, "wrong-keys", "Too many wrong keys", "Repeat the request with the right key.",
             headers={"Retry-After": "60"},
         )  # fmt: skip
 
-    def _beyond(self, scope: Scope, key: Key) -> Response | None:
+    def _refuse_by_limits(self, scope: Scope, key: Key) -> Response | None:
         """Return the reply to a request beyond what an API key allows; None if it may pass.
 
         It is 403 if its role does not allow the request: `read` may change nothing, and some paths
@@ -152,7 +153,7 @@ class Entry:
         )
 
 
-def _without(detail: str) -> Response:
+def _key_needed(detail: str) -> Response:
     return problem_document(
         401, "key", "A key is needed", detail, headers={"WWW-Authenticate": "Bearer"}
     )

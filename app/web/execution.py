@@ -107,19 +107,19 @@ def read_execution(content: object, kind: str) -> tuple[object, bool]:
     as_document = False
     if isinstance(content, Mapping) and "inputs" in content:
         try:
-            asked = ExecuteRequest.model_validate(content)
+            request = ExecuteRequest.model_validate(content)
         except ValidationError as error:
-            raise StudyError([_problem_of(one) for one in error.errors()]) from None
-        as_document, content = asked.response == "document", asked.inputs.study
-        if set(content) <= {"value", "mediaType"}:
+            raise StudyError([_problem_of(item) for item in error.errors()]) from None
+        as_document, content = request.response == "document", request.inputs.study
+        if set(content) <= {"value", "mediaType"}:  # an input by value, as the standard has it
             content = content.get("value")
     if not isinstance(content, Mapping) or kind == ACCURACY:
         return content, as_document
-    named = content.get("kind", kind)
-    if named != kind:
+    own_kind = content.get("kind", kind)
+    if own_kind != kind:
         problem = Problem(
             "kind",
-            f"this process takes studies of kind '{kind}', not of kind {str(named)[:60]!r}",
+            f"this process takes studies of kind '{kind}', not of kind {str(own_kind)[:60]!r}",
             f"Write kind = '{kind}', or post the study to the process of its own kind",
         )
         raise StudyError([problem])

@@ -114,13 +114,13 @@ class Guard:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        refusal: ASGIApp | None = await self._stranger(scope)
-        if path_of(scope) not in HEALTH:
-            refusal = refusal or self._excess(scope)
-        elif refusal is None:
-            refusal = self.app  # without a place: it is to answer however much is under way
-        if refusal is not None:
-            await refusal(scope, receive, send)
+        # Requests for health are answered however much is under way.
+        is_limited = path_of(scope) not in HEALTH
+        refusal = await self._refuse_entry(scope)
+        if refusal is None and is_limited:
+            refusal = self._refuse_excess(scope)
+        if refusal is not None or not is_limited:
+            await (refusal or self.app)(scope, receive, send)
             return
         owner = owner_of(scope)
         self.under_way[owner] += 1
@@ -130,7 +130,7 @@ class Guard:
             self.under_way[owner] -= 1
             self.under_way = +self.under_way  # without owners who have none
 
-    async def _stranger(self, scope: Scope) -> Response | None:
+    async def _refuse_entry(self, scope: Scope) -> Response | None:
         """Return the error reply to a request that may not enter; None if it may.
 
         Checked are path, query and host, the origin of the page that sent it, and the key. `scope`
@@ -146,47 +146,50 @@ class Guard:
             return problem_document(414, "query", "The query is too long", detail)
         try:
             if not (is_open(path) and self.entry.keys.is_known):
-                await self.entry.look()
+                await self.entry.refresh_keys()
         except (OSError, sqlite3.Error) as error:
             if path in HEALTH:
                 return None
             logger.error("keys cannot be read", exc_info=error)
             return problem_document(
-                503, "busy", "The service is busy", f"{disk.why(error)}.",
+                503, "busy", "The service is busy", f"{disk.cause_of(error)}.",
                 headers={"Retry-After": "5"},
             )  # fmt: skip
         headers = Headers(scope=scope)
         host = headers.get("host", "").lower()
-        named = _HOST.fullmatch(host)
-        if host and not named:
+        host_parts = _HOST.fullmatch(host)
+        if host and not host_parts:
             detail = "The header Host holds no name."
             return problem_document(400, "host", "The request names no host", detail)
-        needed = self.entry.keys.are_needed
-        refusal = (
-            None if needed else self._from_elsewhere(scope, named[1] if named else "")
-        ) or self._from_another_page(scope["method"], headers, host)
+        refusal = None
+        if not self.entry.keys.are_needed:
+            refusal = self._refuse_other_machine(scope, host_parts[1] if host_parts else "")
+        refusal = refusal or self._refuse_other_page(scope["method"], headers, host)
         if refusal is None and not is_open(path):
             refusal = await self.entry.refusal(scope, headers)
         return refusal
 
-    def _from_elsewhere(self, scope: Scope, name: str) -> Response | None:
+    def _refuse_other_machine(self, scope: Scope, host_name: str) -> Response | None:
         """Return the reply 403 to a request from another machine while no keys exist; else None.
 
-        A web page whose own name resolves to this machine gets the same reply: `name`, from the
-        Host header, must be a loopback name.
+        A web page whose own name resolves to this machine gets the same reply: `host_name`
+        must be a loopback name.
         """
-        local = (scope.get("server") or ("",))[0] or "/"
-        if not local.startswith("/") and not is_loopback(local):  # else it is a Unix socket
-            why = "No keys exist, so the service answers only on loopback addresses."
-        elif name not in LOOPBACK_NAMES:
+        address = (scope.get("server") or ("",))[0] or "/"
+        is_unix_socket = address.startswith("/")
+        if not is_unix_socket and not is_loopback(address):
+            reason = "No keys exist, so the service answers only on loopback addresses."
+        elif host_name not in LOOPBACK_NAMES:
             # Any page can have a name of its own resolve to 127.0.0.1; its browser still sends it.
-            why = "No keys exist, so the service answers only to the names localhost and 127.0.0.1."
+            reason = (
+                "No keys exist, so the service answers only to the names localhost and 127.0.0.1."
+            )
         else:
             return None
         fix = "`vibrafeed key add` makes a key."
-        return problem_document(403, "no-keys", "The service has no keys", f"{why} {fix}")
+        return problem_document(403, "no-keys", "The service has no keys", f"{reason} {fix}")
 
-    def _from_another_page(self, method: str, headers: Headers, host: str) -> Response | None:
+    def _refuse_other_page(self, method: str, headers: Headers, host: str) -> Response | None:
         """Return the reply 403 to a change that a page of another origin has its browser send.
 
         None if the request has no such origin, only reads, or comes from an allowed origin. `host`
@@ -200,21 +203,22 @@ class Guard:
         detail = "Pages of other origins may only read. VIBRAFEED_CORS_ORIGINS names exceptions."
         return problem_document(403, "origin", "The page comes from another origin", detail)
 
-    def _excess(self, scope: Scope) -> Response | None:
+    def _refuse_excess(self, scope: Scope) -> Response | None:
         """Return the error reply to a request beyond the service's limits; None if it may pass.
 
         The reply is 429 if the account has its share of the requests under way, 503 if the service
         has as many as it takes, or stops. `scope` is ASGI's description of the request.
         """
-        owner, most = owner_of(scope), self.settings.max_requests
-        is_full = self.under_way.total() >= most
-        part = most // SHARE
-        share = max(1, part if owner.startswith(OF_KEY) else most - part)
-        if share <= self.under_way[owner] and not is_full:
-            detail = f"You have {share:,} requests under way, which is your share."
+        owner, max_requests = owner_of(scope), self.settings.max_requests
+        is_full = self.under_way.total() >= max_requests
+        share = max_requests // SHARE
+        has_key = owner.startswith(OF_KEY)
+        max_of_owner = max(1, share if has_key else max_requests - share)
+        if self.under_way[owner] >= max_of_owner and not is_full:
+            detail = f"You have {max_of_owner:,} requests under way, which is your share."
             return problem_document(429, "rate", "Too many requests", detail, headers=SOON)
         if is_full:
-            detail = f"{most:,} requests are under way, the most that are taken at a time."
+            detail = f"{max_requests:,} requests are under way, the most that are taken at a time."
             return problem_document(503, "busy", "The service is busy", detail, headers=SOON)
         if scope["method"] == "POST" and self.stopping.is_set():
             detail = "The service takes no new work. Accepted work continues on the next server."

@@ -31,7 +31,7 @@ SECONDS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 WORK_SECONDS = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5)
 # Clients may send any word as a method; each label value costs memory for ever.
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
-LOOK = 0.25  # s between looks at the delay of the event loop
+LOOP_INTERVAL = 0.25  # s between looks at the delay of the event loop
 
 
 class Metrics:
@@ -109,8 +109,8 @@ class Metrics:
     async def watch_loop(self) -> None:
         """Measure the delay of the event loop until cancelled."""
         while True:
-            due = time.perf_counter() + LOOK
-            await asyncio.sleep(LOOK)
+            due = time.perf_counter() + LOOP_INTERVAL
+            await asyncio.sleep(LOOP_INTERVAL)
             self._loop_delay.observe(max(0.0, time.perf_counter() - due))
 
     def began(self, item: Work) -> Mapping[str, str]:
@@ -191,7 +191,7 @@ class _Gauges(Collector):
         self, name: str, description: str, label: str, values: Callable[[], Mapping[str, float]]
     ):
         """Define a gauge with a label, or none; `values` computes all its values."""
-        self._words, self._values = (name, description), values
+        self._name_and_text, self._values = (name, description), values
         self._labels = [label] if label else []
 
     def collect(self) -> Iterable[Metric]:
@@ -199,8 +199,8 @@ class _Gauges(Collector):
 
         The Prometheus client calls it when metrics are asked for.
         """
-        family = GaugeMetricFamily(*self._words, labels=self._labels)
+        family = GaugeMetricFamily(*self._name_and_text, labels=self._labels)
         with suppress(OSError, sqlite3.Error):  # of a ledger or directory that is away
-            for word, value in self._values().items():
-                family.add_metric([word] if self._labels else [], value)
+            for label_value, value in self._values().items():
+                family.add_metric([label_value] if self._labels else [], value)
         return [family]

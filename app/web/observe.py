@@ -65,20 +65,20 @@ class Observe:
         path = path_of(scope)
         policy = PAGE_POLICY if is_docs(path) or is_page(path) else API_POLICY
         headers = Headers(scope=scope)
-        given = headers.get("x-request-id", "")
-        request_id = given if REQUEST_ID.fullmatch(given) else uuid.uuid4().hex
-        status, sent, ended = 0, 0, False
+        sent_id = headers.get("x-request-id", "")
+        request_id = sent_id if REQUEST_ID.fullmatch(sent_id) else uuid.uuid4().hex
+        status, bytes_sent, has_ended = 0, 0, False
 
-        async def watched(message: Message) -> None:
+        async def send_and_record(message: Message) -> None:
             """Send a message; record status and size, and add headers to the start of a reply."""
-            nonlocal status, sent, ended
+            nonlocal status, bytes_sent, has_ended
             if message["type"] == "http.response.start":
                 status = message["status"]
                 added = {**SAFE, "Content-Security-Policy": policy, "X-Request-ID": request_id}
                 MutableHeaders(scope=message).update(added)
             elif message["type"] == "http.response.body":
-                sent += len(message.get("body", b""))
-                ended = not message.get("more_body", False)
+                bytes_sent += len(message.get("body", b""))
+                has_ended = not message.get("more_body", False)
             await send(message)
 
         started = time.perf_counter()
@@ -88,14 +88,14 @@ class Observe:
             self.traces.request(headers) if self.traces else nullcontext() as span,
         ):
             try:
-                await self.app(scope, receive, watched)
+                await self.app(scope, receive, send_and_record)
             except ClientDisconnect:
                 status = status or CLIENT_LEFT
             except Exception as error:
                 logger.error("unforeseen error in %s", route_of(scope), exc_info=error)
                 # A reply that has begun cannot be taken back; the server cuts the connection.
                 if not status:
-                    await unforeseen(request_id)(scope, receive, watched)
+                    await unforeseen(request_id)(scope, receive, send_and_record)
             finally:
                 seconds = time.perf_counter() - started
                 route = route_of(scope)
@@ -108,10 +108,10 @@ class Observe:
                     "route": route,
                     "status": status,
                     "milliseconds": round(seconds * 1e3, 2),
-                    "bytes": sent,
+                    "bytes": bytes_sent,
                     "client": (scope.get("client") or (None,))[0],
                 }
-                if not ended:
+                if not has_ended:
                     line["cut_short"] = True
                 logger.info("request", extra={**line, **fields})
 

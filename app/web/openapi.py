@@ -91,9 +91,9 @@ class StudySchema(GenerateJsonSchema):
         """Return the schema of a part: of a section of parameters, that of a mapping."""
         if schema["type"] == "model" and PARAMETERS[0] in schema["cls"].model_fields:
             section = Values if schema["cls"] is Parameters else Distributions
-            made = super().generate_inner(section.__pydantic_core_schema__)
-            self._sections[schema.get("ref")] = made
-            return made
+            section_schema = super().generate_inner(section.__pydantic_core_schema__)
+            self._sections[schema.get("ref")] = section_schema
+            return section_schema
         if schema["type"] == "definition-ref" and schema["schema_ref"] in self._sections:
             return self._sections[schema["schema_ref"]]
         return super().generate_inner(schema)
@@ -124,14 +124,14 @@ def install(app: FastAPI, keys: Keys) -> None:
 
     The document says that a key is required if any exist, else that it is optional.
     """
-    plain = app.openapi
+    openapi_of_routes = app.openapi
     routes = app.router.routes
     routes[:] = [route for route in routes if getattr(route, "path", "") != PATH]
 
     def openapi() -> dict[str, Any]:
         """Return the OpenAPI document, which FastAPI keeps."""
         is_new = app.openapi_schema is None
-        document = plain()
+        document = openapi_of_routes()
         if is_new:
             document["components"] |= {"securitySchemes": SCHEMES}
             document["components"]["schemas"].update(_components())
@@ -165,12 +165,12 @@ def _components() -> dict[str, Any]:
     """Return the schemas of bodies and problem documents by name; callers must not change them."""
     models: list[type[BaseModel]] = [ProblemDocument, Sharing, Document, ExecuteRequest, AnyStudy]
     models += [JobList, Results, *(kind.model for kind in KINDS.values())]
-    _, made = models_json_schema(
+    _, document = models_json_schema(
         [(model, "validation") for model in models],
         ref_template=component("{model}")["$ref"],
         schema_generator=StudySchema,
     )
-    schemas: dict[str, Any] = made["$defs"]
+    schemas: dict[str, Any] = document["$defs"]
     # A drive is written out in every study that may have one.
     for schema in [*schemas.values()]:
         drives = schema.get("properties", {}).get("drive", {}).get("anyOf", [])

@@ -71,9 +71,9 @@ def check_file(admission: Admission, job: Job, path: Path, digest: str) -> None:
     NotReadyError, NotFoundError
         If the file is damaged or missing, and the result is computed again, or cannot be.
     """
-    store, damaged = admission.store, None
+    store, damaged = admission.store, None  # None: the file is missing
     with suppress(FileNotFoundError), path.open("rb", buffering=0) as file:
-        if store.integrity.look(file, digest):
+        if store.integrity.matches(file, digest):
             return
         damaged = os.fstat(file.fileno())
     store.remove_file(job.key, path, damaged)
@@ -86,7 +86,7 @@ def _recompute(admission: Admission, job: Job) -> Exception:
     It is `NotReadyError` if the result is computed again, and `NotFoundError` if it cannot be.
     `admission` is the object that accepts jobs.
     """
-    if job.state == "successful" and admission.mend(job):
+    if job.state == "successful" and admission.recompute(job):
         return NotReadyError(
             f"The results of the job {job.id} were damaged on the disk and are being "
             "computed again. Request them when the job is successful."

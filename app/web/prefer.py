@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from urllib.request import parse_http_list
 
-MOST = 2_000  # characters that are read
+MAX_LENGTH = 2_000  # characters that are read
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ def preferences(headers: Iterable[str]) -> Preferences:
     past the first 2,000 characters, or cut off there, is ignored.
     """
     text = ",".join(headers)
-    if len(text) > MOST:
-        text = text[:MOST].rpartition(",")[0]
+    if len(text) > MAX_LENGTH:
+        text = text[:MAX_LENGTH].rpartition(",")[0]
     values: dict[str, str] = {}
     for element in parse_http_list(text):
         name, _, value = element.partition(";")[0].partition("=")

@@ -134,23 +134,19 @@ def _failed(request: Request, error: Exception) -> Response:
 def _storage(request: Request, error: Exception) -> Response:
     """Return the problem document of a storage error: 503 if it is likely to pass, else 507.
 
-    A handler of FastAPI: `request` is not used; `error` is that of a file or of the ledger's
-    database, and goes to the log.
+    The error, of a file or of the ledger's database, goes to the log.
     """
     assert isinstance(error, OSError | sqlite3.OperationalError)
     logger.error("storage failed", exc_info=error)
-    if disk.passes(error):
+    if disk.is_temporary(error):
         headers = {"Retry-After": RETRY_AFTER[503]}
-        why = f"{disk.why(error)}."
-        return problem_document(503, "busy", "The service is busy", why, headers=headers)
+        detail = f"{disk.cause_of(error)}."
+        return problem_document(503, "busy", "The service is busy", detail, headers=headers)
     return problem_document(**disk.problem(error))
 
 
 def _invalid(request: Request, error: Exception) -> Response:
-    """Return the problem document 422 of a request that FastAPI found invalid.
-
-    A handler of FastAPI: `request` is not used; `error` lists the faults of the request.
-    """
+    """Return the problem document 422 of a request that FastAPI found invalid."""
     # The input is not echoed: it may hold values that JSON has no word for.
     assert isinstance(error, RequestValidationError)
     problems = [
@@ -181,7 +177,7 @@ def _methods(request: Request) -> list[str]:
 
     The router reports only those of one route, and files of the page none.
     """
-    routes = [one for one in request.app.router.routes if not isinstance(one, Mount)]
+    routes = [route for route in request.app.router.routes if not isinstance(route, Mount)]
     scopes = {method: {**request.scope, "method": method} for method in METHODS}
     return [
         method

@@ -74,7 +74,9 @@ def cached_replies(
     }
     if in_ranges:
         replies[206] = {
-            "content": {name: one for name, one in types.items() if one["schema"] is not OBJECT},
+            "content": {
+                name: media for name, media in types.items() if media["schema"] is not OBJECT
+            },
             "description": "The requested byte range",
             "headers": {"Content-Range": {"schema": {"type": "string"}}},
         }
@@ -90,9 +92,11 @@ PROBLEM: dict[str, Any] = {
 }
 
 
-def problems(**why: str) -> dict[int | str, dict[str, Any]]:
+def problems(**descriptions: str) -> dict[int | str, dict[str, Any]]:
     """Return OpenAPI descriptions of error replies, as in ``problems(s404="No such sweep")``."""
-    return {int(status[1:]): {"description": text, **PROBLEM} for status, text in why.items()}
+    return {
+        int(status[1:]): {"description": text, **PROBLEM} for status, text in descriptions.items()
+    }
 
 
 def json_reply(content: Any, status: int = 200, headers: dict[str, str] | None = None) -> Response:
@@ -110,8 +114,8 @@ class Router(APIRouter):
 
     def get(self, path: str, **options: Any) -> Callable[[_Function], _Function]:
         """Return the decorator that adds a route of GET and of HEAD; `options` are FastAPI's."""
-        needs = options.get("dependencies")
-        head = self.head(path, include_in_schema=False, dependencies=needs)
+        dependencies = options.get("dependencies")
+        head = self.head(path, include_in_schema=False, dependencies=dependencies)
         get = super().get(path, **options)
         return lambda function: get(head(function))
 

@@ -35,22 +35,19 @@ class Server(uvicorn.Server):
     """
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Begin to stop; Ctrl-C or a second signal ends the draining, a further one all waiting.
-
-        `sig` is the signal's number; `frame` is not used.
-        """
+        """Begin to stop; Ctrl-C or a second signal ends the draining, a further one all waiting."""
         state = self.config.app.state  # type: ignore[union-attr]
         is_first = not state.stopping.is_set()
         state.stopping.set()
         drains = is_first and sig != signal.SIGINT
-        drain = state.settings.drain_seconds if drains else 0.0
-        self.force_exit = self.should_exit
-        if drain:
-            _after(drain, self._end_draining)
+        seconds = state.settings.drain_seconds if drains else 0.0
+        self.force_exit = self.should_exit  # True from the signal after the draining on
+        if seconds:
+            _after(seconds, self._end_draining)
         else:
             self._end_draining()
         if is_first:
-            _after(drain + state.settings.shutdown_seconds + LAST, _cut_short)
+            _after(seconds + state.settings.shutdown_seconds + LAST, _cut_short)
 
     def _end_draining(self) -> None:
         self.should_exit = True

@@ -40,7 +40,7 @@ async def slot_of(request: Request, size: int = 0, purpose: str = "") -> AsyncIt
     pool = cast(ProcessPool, request.app.state.process_pool)
     owner = owner_of(request.scope) + purpose
     async with pool.fair_queue.slot(owner, size * SECONDS_A_BYTE):
-        await look_at(request)()
+        await client_check(request)()
         yield
 
 
@@ -71,28 +71,27 @@ async def calculate_in_process(
     the client leaves.
     """
     pool = cast(ProcessPool, request.app.state.process_pool)
-    return await pool(function, *arguments, seconds=seconds, look=look_at(request))
+    return await pool(function, *arguments, seconds=seconds, check=client_check(request))
 
 
-def look_at(request: Request) -> Callable[[], Awaitable[None]]:
+def client_check(request: Request) -> Callable[[], Awaitable[None]]:
     """Return a function that raises `ClientDisconnect` if the client of a request has left.
 
     It is awaited now and then while something is computed for the client.
     """
 
-    async def look() -> None:
-        """Raise `ClientDisconnect` if the client has left."""
+    async def check() -> None:
         if await request.is_disconnected():
             raise ClientDisconnect
 
-    return look
+    return check
 
 
-async def _placed(request: Request, body: Body) -> AsyncIterator[None]:
+async def _hold_slot(request: Request, body: Body) -> AsyncIterator[None]:
     async with slot_of(request, len(body)):
         yield
 
 
 def hold_slot() -> params.Depends:
     """Return a dependency that holds a place for a route, from its body to its reply."""
-    return cast(params.Depends, Depends(_placed, scope="function"))
+    return cast(params.Depends, Depends(_hold_slot, scope="function"))

@@ -16,7 +16,7 @@ from vibrafeed.core.dataset.frame import Frame
 from vibrafeed.core.system import installing
 
 NOTE: Final = "Vibrafeed-Note"
-TABLES: Final = {suffix[1:]: one.media for suffix, one in FORMATS.items() if one.media}
+TABLES: Final = {suffix[1:]: form.media for suffix, form in FORMATS.items() if form.media}
 PACKAGES: Final = {form: one.package for form in TABLES if (one := FORMATS[f".{form}"]).package}
 if TYPE_CHECKING:
     ResultForm: TypeAlias = str
@@ -26,7 +26,7 @@ else:
     SliceForm = Literal[("json", "binary", *TABLES)]
 
 
-def tables_there() -> dict[str, str]:
+def available_tables() -> dict[str, str]:
     """Return the media types of the table formats that this installation can write."""
     return {form: kind for form, kind in TABLES.items() if form not in _missing()}
 
@@ -61,7 +61,7 @@ def most_rows(settings: Settings, form: str, most: int) -> int:
     return min(most, settings.max_sheet_rows) if form == "xlsx" else most
 
 
-def table_reply(frame: Frame, form: str, *, lane: CapacityLimiter | None) -> Response:
+def table_reply(frame: Frame, form: str, *, limiter: CapacityLimiter | None) -> Response:
     """Return a table as a reply in pieces, each written in a thread.
 
     Parameters
@@ -70,21 +70,23 @@ def table_reply(frame: Frame, form: str, *, lane: CapacityLimiter | None) -> Res
         The table as rows.
     form : str
         The format: csv, parquet or xlsx.
-    lane : CapacityLimiter or None
+    limiter : CapacityLimiter or None
         Limits the threads that write; None takes those of the event loop.
     """
     write = FORMATS[f".{form}"].pieces
     assert write is not None
     pieces = write(frame)
     note = frame.note
-    reply = StreamingResponse(_written(pieces, lane), media_type=TABLES[form])
+    reply = StreamingResponse(_in_threads(pieces, limiter), media_type=TABLES[form])
     if note:
         reply.headers[NOTE] = note
     return reply
 
 
-async def _written(pieces: Iterator[bytes], lane: CapacityLimiter | None) -> AsyncIterator[bytes]:
-    """Yield the pieces of a table, each made in a thread; `lane` limits the number of threads."""
-    while (piece := await to_thread.run_sync(next, pieces, None, limiter=lane)) is not None:
+async def _in_threads(
+    pieces: Iterator[bytes], limiter: CapacityLimiter | None
+) -> AsyncIterator[bytes]:
+    """Yield the pieces of a table, each made in a thread."""
+    while (piece := await to_thread.run_sync(next, pieces, None, limiter=limiter)) is not None:
         if piece:  # none comes while rows are added to a workbook
             yield piece

@@ -17,7 +17,7 @@ class ZarrViews:
     def __init__(self, store: Store):
         """View sweeps of a store."""
         self._store = store
-        self._made = lru_cache(MAX_VIEWS)(self._make)
+        self._kept_view = lru_cache(MAX_VIEWS)(self._make)
 
     def view(self, key: str) -> ZarrView:
         """Return the Zarr view of a stored sweep: chunks are computed when they are read.
@@ -29,10 +29,10 @@ class ZarrViews:
         NotFoundError
             If there is no such sweep.
         """
-        if not self._store.used(key):  # it may have been removed since it was last read
+        if not self._store.last_use(key):  # it may have been removed since it was last read
             self._store.sweep(key)
         self._store.note_use(key)
-        return self._made(key)
+        return self._kept_view(key)
 
     def _make(self, key: str) -> ZarrView:
         sweep = self._store.sweep(key)

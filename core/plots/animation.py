@@ -25,7 +25,7 @@ from vibrafeed.core.plots.film import (
     Film,
     amplitude_of,
     frames_in,
-    nice,
+    nice_number,
     read_film,
     read_row,
 )
@@ -104,8 +104,8 @@ def animate(
 def _write_gif(frames: Iterable[Frame], target: Path) -> None:
     # One palette for all frames, so that nothing flickers.
     pictures = [Image.fromarray(frame) for frame in frames]
-    some = pictures[:: max(1, len(pictures) // SAMPLED)]
-    sheet = Image.fromarray(np.concatenate([np.asarray(picture) for picture in some]))
+    sampled = pictures[:: max(1, len(pictures) // SAMPLED)]
+    sheet = Image.fromarray(np.concatenate([np.asarray(picture) for picture in sampled]))
     palette = sheet.quantize(32, dither=Image.Dither.NONE)
     first, *others = (
         picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures
@@ -125,11 +125,11 @@ def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -
     figure.set_dpi(dots)
     view, strip = figure.subplots(2, 1, height_ratios=(1.0, 0.07))
     view.set(xticks=[], yticks=[])
-    for mode, start, stop in film.spells:
+    for mode, start, stop in film.intervals:
         strip.axvspan(1000 * start, 1000 * stop, facecolor=_colour(mode, style), linewidth=0)
-    first, last = 1000 * film.spells[0][1], 1000 * film.spells[-1][2]
+    first, last = 1000 * film.intervals[0][1], 1000 * film.intervals[-1][2]
     strip.set(xlim=(first, last), yticks=[], xlabel="Time (ms)")
-    clock, says = _add_clock(strip, ([first] * 2, [0, 1]), 1.35, style)
+    clock, caption = _add_clock(strip, ([first] * 2, [0, 1]), 1.35, style)
     notes = DOT.join(film.notes)
     finish(
         figure, view, style, name=title or f"Motion of the part{_slower(film.slow)}",
@@ -137,40 +137,45 @@ def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -
     )  # fmt: skip
     figure.set_layout_engine("none")
     left, right, bottom = _frame_view(view, film, style)
-    spacing = nice((right - left) / MARKS, below=True)
-    reach = float(np.abs(film.track[0]).max()) + spacing
-    first_mark, end = np.floor((left - reach) / spacing), np.ceil((right + reach) / spacing) + 1
-    steps = np.arange(first_mark, end) * spacing
+    spacing = nice_number((right - left) / MARKS, below=True)
+    margin = float(np.abs(film.track[0]).max()) + spacing
+    first_mark, last_mark = (
+        np.floor((left - margin) / spacing),
+        np.ceil((right + margin) / spacing) + 1,
+    )
+    steps = np.arange(first_mark, last_mark) * spacing
     mark_length = 0.018 * (right - left)
-    body = mix(style.other, style.ground, 0.5)
-    ground = Polygon(np.zeros((4, 2)), linewidth=1.4, facecolor=body, edgecolor=style.other)
+    fill = mix(style.other, style.ground, 0.5)
+    ground = Polygon(np.zeros((4, 2)), linewidth=1.4, facecolor=fill, edgecolor=style.other)
     ticks = Line2D([], [], color=style.other, linewidth=1.0)
-    way = Line2D([], [], color=style.curve, linewidth=1.0, alpha=0.55)
+    path = Line2D([], [], color=style.curve, linewidth=1.0, alpha=0.55)
     part = Polygon(np.zeros((4, 2)), linewidth=1.8, joinstyle="round", edgecolor=style.curve)
-    moving: tuple[Artist, ...] = (ground, ticks, way, part)
+    moving: tuple[Artist, ...] = (ground, ticks, path, part)
     for artist in moving:
         artist.set_animated(True)
         view.add_artist(artist)
 
-    def put(i: int) -> None:
+    def move_to_frame(frame: int) -> None:
         # The ground and its marks move with the track; the path shows where the part has been.
-        along, up = film.track[:, i]
-        low = bottom - 1.0
-        ends = (left - reach, right + reach)
-        ground.set_xy([(ends[0], up), (ends[1], up), (ends[1], low), (ends[0], low)])
+        along, up = film.track[:, frame]
+        lowest = bottom - 1.0
+        ends = (left - margin, right + margin)
+        ground.set_xy([(ends[0], up), (ends[1], up), (ends[1], lowest), (ends[0], lowest)])
         marks = steps + along
         x = np.stack([marks, marks, np.full_like(marks, np.nan)], axis=1).ravel()
         ticks.set_data(x, np.tile([up, up - mark_length, np.nan], marks.size))
-        way.set_data(film.part[0, : i + 1], film.part[1, : i + 1])
-        c, s = np.cos(film.pitch[i]), np.sin(film.pitch[i])  # clockwise
-        part.set_xy((np.array([[c, s], [-s, c]]) @ film.outline).T + film.part[:, i])
-        part.set_facecolor(_colour(film.modes[i], style))
-        time = 1000 * film.times[i]
+        path.set_data(film.part[0, : frame + 1], film.part[1, : frame + 1])
+        cos, sin = np.cos(film.pitch[frame]), np.sin(film.pitch[frame])  # clockwise
+        part.set_xy((np.array([[cos, sin], [-sin, cos]]) @ film.outline).T + film.part[:, frame])
+        part.set_facecolor(_colour(film.modes[frame], style))
+        time = 1000 * film.times[frame]
         clock.set_xdata([time, time])
-        says.set_text(f"{with_unit(f'{time:.1f}', 'ms')}: {film.says[film.modes[i]]}")
+        caption.set_text(f"{with_unit(f'{time:.1f}', 'ms')}: {film.mode_names[film.modes[frame]]}")
 
-    artists = [(view, one) for one in moving] + [(strip, one) for one in (clock, says)]
-    yield from _frames_of(figure, film.times.size, put, artists)
+    artists = [(view, artist) for artist in moving] + [
+        (strip, artist) for artist in (clock, caption)
+    ]
+    yield from _frames_of(figure, film.times.size, move_to_frame, artists)
 
 
 def draw_lane(
@@ -189,20 +194,21 @@ def draw_lane(
             "the dataset does not give the length of the parts",
             "Set the parameter length in the study, and run the study again",
         )
-    slow = slow or nice(PERIOD_SHOWN * float(dataset["frequency"]))
+    slow = slow or nice_number(PERIOD_SHOWN * float(dataset["frequency"]))
     times = 1000.0 * row.times / row.time.factor
     moments = np.linspace(times[0], times[-1], frames_in(np.ptp(times) / 1000.0 * slow))
-    nearest = np.searchsorted(times, moments, side="right") - 1
-    swing = np.zeros(moments.size)
+    time_indices = np.searchsorted(times, moments, side="right") - 1
+    displacement = np.zeros(moments.size)
     notes = ["seen from above, breadth not to scale"]
     amplitude = amplitude_of(dataset)
     if amplitude is not None and "beta" in dataset.coords:
+        # The track moves along by A cos(beta) sin(w t), and the parts with it.
         along = amplitude * np.cos(np.deg2rad(float(dataset["beta"])))
         phase = TURN * float(dataset["frequency"]) * moments / 1000.0
-        swing = row.along.factor * along * np.sin(phase)
+        displacement = row.along.factor * along * np.sin(phase)
     else:
         notes.append("as the track sees it")
-    centres = np.array([np.interp(moments, times, path) for path in row.centres]) + swing
+    centres = np.array([np.interp(moments, times, centre) for centre in row.centres]) + displacement
 
     figure = style.sheet(*SIZE)
     figure.set_dpi(dots)
@@ -210,13 +216,13 @@ def draw_lane(
     left, right = centres.min() - row.length, centres.max() + row.length
     view.set(xlim=(left, right), ylim=(0.0, 1.0), yticks=[], xlabel=f"Position ({row.along.unit})")
     pale = mix(style.ground, style.curve, PALE)
-    for contact, touch in enumerate(row.closed, start=1):
-        strip.fill_between(times, contact - 0.4, contact + 0.4, where=touch, color=pale)
+    for contact, touches in enumerate(row.closed, start=1):
+        strip.fill_between(times, contact - 0.4, contact + 0.4, where=touches, color=pale)
     strip.set(xlim=(times[0], times[-1]), ylim=(0.4, len(row.closed) + 0.6))
     pairs = [f"{n}\N{EN DASH}{n + 1}" for n in range(1, len(centres))]
     strip.set_yticks(range(1, len(centres)), pairs, fontsize=style.text(8))
     strip.set(xlabel="Time (ms)", ylabel="Contact of")
-    clock, says = _add_clock(strip, ([], []), 1.05, style)
+    clock, caption = _add_clock(strip, ([], []), 1.05, style)
     finish(
         figure, view, style, name=title or f"A row of {len(centres)} parts{_slower(slow)}",
         facts=held_fixed(dataset, units), source=DOT.join(notes).capitalize(),
@@ -224,7 +230,8 @@ def draw_lane(
     figure.canvas.draw()  # lays out what stands still
     figure.set_layout_engine("none")
 
-    marks = np.linspace(left - swing.max(), right - swing.min(), ROW_MARKS)
+    # Marks of the track, also where it comes into view.
+    marks = np.linspace(left - displacement.max(), right - displacement.min(), ROW_MARKS)
     (track,) = view.plot([], [], color=style.other, linewidth=1.0, animated=True)
     parts = [
         Rectangle(
@@ -236,20 +243,24 @@ def draw_lane(
     for part in parts:
         view.add_patch(part)
 
-    def put(i: int) -> None:
-        x = np.stack([marks + swing[i]] * 2 + [np.full(ROW_MARKS, np.nan)], axis=1).ravel()
+    def move_to_frame(frame: int) -> None:
+        x = np.stack(
+            [marks + displacement[frame]] * 2 + [np.full(ROW_MARKS, np.nan)], axis=1
+        ).ravel()
         track.set_data(x, np.tile([0.0, 1.0, np.nan], ROW_MARKS))
-        closed = row.closed[:, nearest[i]]
-        touched = np.r_[False, closed] | np.r_[closed, False]
-        for part, place, touches in zip(parts, centres[:, i], touched, strict=True):
-            part.set_x(place - row.length / 2)
+        closed = row.closed[:, time_indices[frame]]
+        touches_neighbour = np.r_[False, closed] | np.r_[closed, False]
+        for part, centre, touches in zip(parts, centres[:, frame], touches_neighbour, strict=True):
+            part.set_x(centre - row.length / 2)
             part.set_facecolor(pale if touches else style.ground)
-        clock.set_data([moments[i]] * 2, [0.0, len(row.closed) + 1.0])
-        shown = with_unit(f"{moments[i]:.1f}", "ms")
-        says.set_text(f"{shown}: {int(closed.sum())} of {closed.size} contacts closed")
+        clock.set_data([moments[frame]] * 2, [0.0, len(row.closed) + 1.0])
+        time_text = with_unit(f"{moments[frame]:.1f}", "ms")
+        caption.set_text(f"{time_text}: {int(closed.sum())} of {closed.size} contacts closed")
 
-    artists = [(view, path) for path in (track, *parts)] + [(strip, path) for path in (clock, says)]
-    yield from _frames_of(figure, moments.size, put, artists)
+    artists = [(view, artist) for artist in (track, *parts)] + [
+        (strip, artist) for artist in (clock, caption)
+    ]
+    yield from _frames_of(figure, moments.size, move_to_frame, artists)
 
 
 def _slower(slow: float) -> str:
@@ -267,15 +278,18 @@ def _add_clock(strip: Axes, points: Any, height: float, style: Style) -> tuple[L
 
 
 def _frames_of(
-    figure: Figure, count: int, put: Callable[[int], None], artists: Sequence[tuple[Axes, Artist]]
+    figure: Figure,
+    count: int,
+    move_to_frame: Callable[[int], None],
+    artists: Sequence[tuple[Axes, Artist]],
 ) -> Iterator[Frame]:
-    # What stands still is drawn once; `put` moves the artists to their places in a frame.
+    # What stands still is drawn once; `move_to_frame` moves the artists to their places in a frame.
     canvas: Any = figure.canvas
     canvas.draw()
     empty = canvas.copy_from_bbox(figure.bbox)
-    for i in range(count):
+    for frame in range(count):
         canvas.restore_region(empty)
-        put(i)
+        move_to_frame(frame)
         for axes, artist in artists:
             axes.draw_artist(artist)
         yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
@@ -301,7 +315,7 @@ def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, flo
     bottom -= DEPTH * height
     top = bottom + height
     axes.set(xlim=(left, right), ylim=(bottom, top))
-    bar = nice(width / 6, below=True)
+    bar = nice_number(width / 6, below=True)
     x, y = right - 0.03 * width - bar, top - 0.06 * height
     axes.plot([x, x + bar], [y, y], color=style.ink, linewidth=2.0, solid_capstyle="butt")
     axes.annotate(

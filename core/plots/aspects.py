@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -38,10 +39,10 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     rows = -(-len(aspects) // columns)
     figure = style.sheet(2.9 * columns + 0.6, 2.9 * rows + 0.9)
     panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
-    corners, edges = _pieces(np.array(part["corners"]), np.array(part["triangles"]))
-    unit = options.units.of("m", float(np.ptp(corners, axis=(0, 1)).max()))
+    pieces, edges = _divide(np.array(part["corners"]), np.array(part["triangles"]))
+    unit = options.units.of("m", float(np.ptp(pieces, axis=(0, 1)).max()))
     for order, (panel, aspect) in enumerate(zip(panels, aspects, strict=False), 1):
-        _draw_aspect(panel, corners, edges, aspect, style)
+        _draw_aspect(panel, pieces, edges, aspect, style)
         _label(panel, order, aspect, unit, style)
     reach = max(float(np.abs(panel.dataLim.get_points()).max()) for panel in panels[: len(aspects)])
     for panel in panels:
@@ -54,36 +55,39 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     return figure
 
 
-def _pieces(corners: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArray[np.bool_]]:
-    """Small triangles of a surface, (n, 3, 3), and which of their sides, (n, 3), are its edges."""
+def _divide(corners: Array, triangles: NDArray[np.int64]) -> tuple[Array, NDArray[np.bool_]]:
+    """Return small triangles of a surface, (n, 3, 3), and True at sides, (n, 3), that are edges."""
     pieces = corners[triangles]
     normals = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
-    sides = {(a, b): k for k, each in enumerate(triangles.tolist()) for a, b in _sides(each)}
+    # A side from corner a to b is, from b to a, one of the neighbour: it is an edge if both turn
+    # from one another by enough.
+    owners = {side: k for k, each in enumerate(triangles.tolist()) for side in _sides(each)}
     edges = np.array([
-        [normals[k] @ normals[sides.get((b, a), k)] < SHARP for a, b in _sides(each)]
+        [normals[k] @ normals[owners.get((b, a), k)] < SHARP for a, b in _sides(each)]
         for k, each in enumerate(triangles.tolist())
     ])  # fmt: skip
     while 4 * len(pieces) <= PIECES:
+        # Four triangles of each, by the middles p, q, r of its sides; inner sides are no edges.
         a, b, c = np.moveaxis(pieces, 1, 0)
         p, q, r = (a + b) / 2, (b + c) / 2, (c + a) / 2
         ab, bc, ca = edges.T
         no = np.zeros_like(ab)
-        parts = ((a, p, r), (p, b, q), (r, q, c), (p, q, r))
-        kept = ((ab, no, ca), (ab, bc, no), (no, bc, ca), (no, no, no))
-        pieces = np.concatenate([np.stack(each, axis=1) for each in parts])
-        edges = np.concatenate([np.stack(each, axis=1) for each in kept])
+        corners_of_four = ((a, p, r), (p, b, q), (r, q, c), (p, q, r))
+        edges_of_four = ((ab, no, ca), (ab, bc, no), (no, bc, ca), (no, no, no))
+        pieces = np.concatenate([np.stack(each, axis=1) for each in corners_of_four])
+        edges = np.concatenate([np.stack(each, axis=1) for each in edges_of_four])
     return pieces, edges
 
 
 def _sides(triangle: list[int]) -> Iterator[tuple[int, int]]:
-    a, b, c = triangle
-    return iter(((a, b), (b, c), (c, a)))
+    return pairwise((*triangle, triangle[0]))
 
 
 def _draw_aspect(
     panel: Axes, pieces: Array, edges: NDArray[np.bool_], aspect: dict[str, Any], style: Style
 ) -> None:
+    """Draw a part as it lies, seen from the left of the lane and from above."""
     up, along = -np.array(aspect["down"]), np.array(aspect["along"])
     across = np.cross(up, along)
     # The lane leads from the viewer's left to the right.
@@ -96,37 +100,42 @@ def _draw_aspect(
     pieces, edges, normals = pieces[facing], edges[facing], normals[facing]
     light = normals @ (up + 0.6 * towards - 0.3 * right)
     light /= np.maximum(1.7 * np.linalg.norm(normals, axis=1), 1e-300)
-    flat = np.stack([pieces @ right, pieces @ upward], axis=-1)
+    projected = np.stack([pieces @ right, pieces @ upward], axis=-1)
     depths = pieces @ towards
     owners, sides = np.nonzero(edges)
     # What is nearer is drawn later, and the edges of a triangle after those that lie beside it.
     shapes = [
-        *flat,
-        *(flat[k][[side, (side + 1) % 3]] for k, side in zip(owners, sides, strict=True)),
+        *projected,
+        *(
+            projected[index][[side, (side + 1) % 3]]
+            for index, side in zip(owners, sides, strict=True)
+        ),
     ]
     nearer = depths[owners].max(1) + LIFT * np.ptp(depths)
     order = np.argsort(np.concatenate([depths.mean(1), nearer]), kind="stable")
     colours = [
-        mix(style.ground, style.curve, 0.65 - 0.45 * float(one)) for one in np.clip(light, 0, 1)
+        mix(style.ground, style.curve, 0.65 - 0.45 * float(brightness))
+        for brightness in np.clip(light, 0, 1)
     ]
     faces = [*colours, *["none"] * len(owners)]
     lines = [*colours, *[style.ink] * len(owners)]
     panel.add_collection(
         PolyCollection(
-            [shapes[k] for k in order],
-            facecolors=[faces[k] for k in order],
-            edgecolors=[lines[k] for k in order],
+            [shapes[index] for index in order],
+            facecolors=[faces[index] for index in order],
+            edgecolors=[lines[index] for index in order],
             linewidths=style.width(0.8),
         )
     )
-    panel.update_datalim(flat.reshape(-1, 2))
+    panel.update_datalim(projected.reshape(-1, 2))
 
 
 def _label(panel: Axes, order: int, aspect: dict[str, Any], unit: Shown, style: Style) -> None:
-    shares = sorted(100 * aspect[f"{one}_share"] for one in ("let_down", "thrown"))
-    low, high = (f"{one:.0f}" for one in shares)
+    """Write number, shares, height and lane of an aspect below its drawing."""
+    shares = sorted(100 * aspect[f"{key}_share"] for key in ("let_down", "thrown"))
+    low, high = (f"{key:.0f}" for key in shares)
     bracket = low if low == high else f"{low} to {high}"
-    height, lane = (number(aspect[one] * unit.factor, 3) for one in ("height", "width"))
+    height, lane = (number(aspect[key] * unit.factor, 3) for key in ("height", "width"))
     panel.text(
         0.5, 0.0,
         f"{order}: {bracket} %\n{height} {unit.unit} high, lane {lane} {unit.unit}",

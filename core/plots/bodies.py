@@ -42,18 +42,18 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     if not is_pair(dataset):
         raise PlotError("dataset", "it holds no impact of two bodies", "Draw another kind")
     style, units = options.style, options.units
-    loose = [str(name) for name in dataset.dims]
-    positions = fixed_positions(dataset, options.at, loose, (), nearest=options.nearest)
+    dimensions = [str(name) for name in dataset.dims]
+    positions = fixed_positions(dataset, options.at, dimensions, (), nearest=options.nearest)
     figure = style.sheet(height=4.4)
     panels, bodies = draw_views(figure, dataset, positions, style)
     finish(
         figure, panels[0], style, name=options.title or "Two bodies before their impact",
         facts=held_fixed(dataset, units, positions), source=source_of(dataset),
     )  # fmt: skip
-    told = " and ".join(
+    speeds = " and ".join(
         f"{number(float(np.linalg.norm(body.velocity)), 3)}\N{NO-BREAK SPACE}m/s" for body in bodies
     )
-    note = f"Arrows: velocities of bodies 1 and 2 before the impact, {told}"
+    note = f"Arrows: velocities of bodies 1 and 2 before the impact, {speeds}"
     figure.supxlabel(note, fontsize=style.text(8.5), color=style.quiet, x=0.02, ha="left")
     return figure
 
@@ -90,8 +90,8 @@ def _read_bodies(dataset: xarray.Dataset, positions: Mapping[str, int]) -> list[
         array = dataset.coords.get(f"{name}_{body}")
         if array is None:
             return 0.0
-        held = {dim: positions.get(str(dim), array.size // 2) for dim in array.dims}
-        return float(array.isel(held))
+        position = {dim: positions.get(str(dim), array.size // 2) for dim in array.dims}
+        return float(array.isel(position))
 
     def vector(name: str, body: int) -> Array:
         return np.array([value(f"{name}_{axis}", body) for axis in AXES])
@@ -127,24 +127,24 @@ def _draw_bodies(
     # The fastest body has the longest arrow; `view` are the axes across and up.
     from scipy.spatial import ConvexHull  # takes a tenth of a second
 
-    seen = [body.points[:, view] for body in bodies]
-    every = np.concatenate(seen)
-    low, high = every.min(axis=0), every.max(axis=0)
+    outlines = [body.points[:, view] for body in bodies]
+    corners = np.concatenate(outlines)
+    low, high = corners.min(axis=0), corners.max(axis=0)
     size = float((high - low).max())
     fastest = max(float(np.linalg.norm(body.velocity)) for body in bodies)
-    for number_, points, body, colour in zip(BODIES, seen, bodies, style.series, strict=False):
+    for label, points, body, colour in zip(BODIES, outlines, bodies, style.series, strict=False):
         hull = points[ConvexHull(points).vertices]
-        face = mix(colour, style.ground, 0.75)
-        axes.add_patch(Polygon(hull, closed=True, facecolor=face, edgecolor=colour, linewidth=1.2))
+        fill = mix(colour, style.ground, 0.75)
+        axes.add_patch(Polygon(hull, closed=True, facecolor=fill, edgecolor=colour, linewidth=1.2))
         centre = body.centre[list(view)]
         axes.annotate(
-            str(number_), tuple(centre), ha="center", va="center", color=style.ink,
+            str(label), tuple(centre), ha="center", va="center", color=style.ink,
             fontsize=style.text(9), zorder=5,
         )  # fmt: skip
-        speed = body.velocity[list(view)]
-        if fastest and np.linalg.norm(speed) > 0:
+        velocity = body.velocity[list(view)]
+        if fastest and np.linalg.norm(velocity) > 0:
             # The arrow of the faster one: so long, of the width of the bodies.
-            tip = centre + 0.45 * size * speed / fastest
+            tip = centre + 0.45 * size * velocity / fastest
             low, high = np.minimum(low, tip), np.maximum(high, tip)
             axes.add_patch(
                 FancyArrowPatch(
@@ -152,7 +152,7 @@ def _draw_bodies(
                     color=style.accent, linewidth=style.width(1.4), zorder=4,
                 )
             )  # fmt: skip
-    room = MARGIN * size
-    axes.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room))
+    margin = MARGIN * size
+    axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     axes.set_aspect("equal", adjustable="box")
     axes.set(xlabel=f"{AXES[view[0]]} (mm)", ylabel=f"{AXES[view[1]]} (mm)")

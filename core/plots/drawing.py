@@ -85,11 +85,11 @@ def draw(
     datasets = list(dataset) if isinstance(dataset, Sequence) else [dataset]
     if not datasets:
         raise PlotError("dataset", "there is none", "Give one or more")
-    for each in datasets:
-        if not isinstance(each, xarray.Dataset):
+    for given in datasets:
+        if not isinstance(given, xarray.Dataset):
             raise PlotError(
                 "dataset",
-                f"{reprlib.repr(each)} is not a dataset",
+                f"{reprlib.repr(given)} is not a dataset",
                 "Give a dataset that `sweep` or `simulate` returned, or the path of a file",
             )
     first = datasets[0]
@@ -115,14 +115,17 @@ def draw(
             )
         return _draw_together(datasets, options)
     if kind is None:
-        named = (replace(options, kind=name, is_natural=True) for name in PICTURES)
-        options = next(each for each in named if PICTURES[str(each.kind)].fits(first, each))
+        candidates = (replace(options, kind=name, is_natural=True) for name in PICTURES)
+        options = next(
+            given for given in candidates if PICTURES[str(given.kind)].fits(first, given)
+        )
     elif is_calibration(first):  # whatever is asked for: its module says what there is
         return PICTURES["posterior"].draw(first, options)
     return PICTURES[str(options.kind)].draw(first, options)
 
 
 def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figure:
+    """Return the picture of one output of several datasets, over the same axis."""
     style = options.style
     if len(datasets) > MOST:
         raise PlotError(
@@ -134,18 +137,18 @@ def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figu
     labels, common = _labels(datasets, selections)
     figure = style.sheet()
     sheet = figure.add_subplot()
-    beyond = [
+    has_invalid = [
         _add_line(sheet, selection, colour, dashes, style)
         for selection, colour, dashes in zip(selections, style.series, DASHES, strict=False)
     ]
     first = selections[0]
-    ends = value_range(np.concatenate([selection.values for selection in selections]))
-    if ends is not None:
-        sheet.set_ylim(*padded(*ends))
-        if ends[0] < 0 < ends[1]:
+    limits = value_range(np.concatenate([selection.values for selection in selections]))
+    if limits is not None:
+        sheet.set_ylim(*padded(*limits))
+        if limits[0] < 0 < limits[1]:
             sheet.axhline(0.0, color=style.ink, linewidth=0.7, zorder=1)
-    places = np.concatenate([selection.axes[0].values for selection in selections])
-    sheet.set_xlim(places.min(), places.max())
+    positions = np.concatenate([selection.axes[0].values for selection in selections])
+    sheet.set_xlim(positions.min(), positions.max())
     if all(selection.axes[0].is_log for selection in selections):
         set_log(sheet.xaxis, first.axes[0].values)
     sheet.set(xlabel=first.axes[0].label, ylabel=axis_label(first.variable, first.unit))
@@ -158,11 +161,12 @@ def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figu
     return finish(
         figure, sheet, style, name=options.title or long_name(first.variable), facts=common,
         source="; ".join(filter(None, titles)), entries=entries,
-        note="Pale: values there do not describe a real part" if any(beyond) else "",
+        note="Pale: values there do not describe a real part" if any(has_invalid) else "",
     )  # fmt: skip
 
 
 def _selections(datasets: Sequence[xarray.Dataset], options: Options) -> list[Selection]:
+    """Return the slice of each dataset, all in the same unit."""
     for dataset in datasets:
         if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
             raise PlotError(
@@ -172,26 +176,30 @@ def _selections(datasets: Sequence[xarray.Dataset], options: Options) -> list[Se
             )
     output = _output(datasets, options.variable)
     axis = _axis(datasets, output, options.axes)
-    at, known = options.at, {str(name) for dataset in datasets for name in dataset.dims}
-    unknown = {name for name in at if name not in known or name == axis}  # refused later
+    at, dimensions = options.at, {str(name) for dataset in datasets for name in dataset.dims}
+    refused_later = {name for name in at if name not in dimensions or name == axis}  # by `select`
 
-    def selected(units: ShownUnits) -> list[Selection]:
+    def select_all(units: ShownUnits) -> list[Selection]:
         return [
             select(
                 dataset, output, (axis,),
-                {name: v for name, v in at.items() if name in dataset.dims or name in unknown},
+                {
+                    name: value for name, value in at.items()
+                    if name in dataset.dims or name in refused_later
+                },
                 "line", units, nearest=options.nearest,
             )
             for dataset in datasets
         ]  # fmt: skip
 
     units = options.units
-    selections = selected(units)
+    selections = select_all(units)
     if len({selection.unit for selection in selections}) > 1:
-        largest = max(float(np.nanmax(np.abs(s.variable))) for s in selections)
-        raw = str(selections[0].variable.attrs.get("units", "1"))
-        selections = selected(
-            ShownUnits(units.system, {**units.wanted, raw: units.of(raw, largest)})
+        # Each has its unit by its own values: take the one that suits the largest of all.
+        largest = max(float(np.nanmax(np.abs(selection.variable))) for selection in selections)
+        file_unit = str(selections[0].variable.attrs.get("units", "1"))
+        selections = select_all(
+            ShownUnits(units.system, {**units.wanted, file_unit: units.of(file_unit, largest)})
         )
     return selections
 
@@ -212,51 +220,62 @@ def _add_line(sheet: Axes, selection: Selection, colour: str, dashes: Any, style
     return not valid.all()
 
 
-def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
+def _output(datasets: Sequence[xarray.Dataset], variable: str | None) -> str:
+    """Return the output to draw, by default the first that all datasets have."""
     shared = [  # what has several values, to compare them by
         name
         for name in outputs_of(datasets[0])
-        if all(name in d.data_vars and d[name].size > 1 for d in datasets)
+        if all(name in dataset.data_vars and dataset[name].size > 1 for dataset in datasets)
     ]
-    for dataset in datasets if asked is not None else ():
-        if asked not in dataset.data_vars:
+    for dataset in datasets if variable is not None else ():
+        if variable not in dataset.data_vars:
             raise PlotError(
                 "variable",
-                f"{_name(dataset)} has no '{str(asked)[:40]}'",
+                f"{_name(dataset)} has no '{str(variable)[:40]}'",
                 "They share " + _listed(shared),
             )
-    if asked is None and not shared:
-        told = "; ".join(f"{_name(d)} has {_listed(outputs_of(d))}" for d in datasets)
-        raise PlotError(
-            "variable", f"the result files have no output in common: {told}", "Draw each by itself"
+    if variable is None and not shared:
+        listed = "; ".join(
+            f"{_name(dataset)} has {_listed(outputs_of(dataset))}" for dataset in datasets
         )
-    return shared[0] if asked is None else asked
+        raise PlotError(
+            "variable",
+            f"the result files have no output in common: {listed}",
+            "Draw each by itself",
+        )
+    return shared[0] if variable is None else variable
 
 
-def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...] | None) -> str:
-    if asked is not None and len(asked) != 1:
+def _axis(datasets: Sequence[xarray.Dataset], output: str, axes: tuple[str, ...] | None) -> str:
+    """Return the axis to draw over, by default the longest that all datasets have."""
+    if axes is not None and len(axes) != 1:
         raise PlotError(
             "axes",
             "several result files in one picture are drawn over exactly one axis",
             "Name one axis, such as amplitude",
         )
     ranged = [
-        [str(dim) for dim in d[output].dims if d.sizes[dim] > 1 and dim in d.coords]
-        for d in datasets
+        [
+            str(dim)
+            for dim in dataset[output].dims
+            if dataset.sizes[dim] > 1 and dim in dataset.coords
+        ]
+        for dataset in datasets
     ]
     shared = [name for name in ranged[0] if all(name in other for other in ranged)]
-    if asked is not None and asked[0] not in shared:
+    if axes is not None and axes[0] not in shared:
         raise PlotError(
             "axes",
-            f"{output} is not ranged over '{asked[0][:40]}' in all files",
+            f"{output} is not ranged over '{axes[0][:40]}' in all files",
             "They share " + _listed(shared),
         )
     if not shared:
-        told = "; ".join(
-            f"{_name(d)} has {_listed(names)}" for d, names in zip(datasets, ranged, strict=True)
+        listed = "; ".join(
+            f"{_name(dataset)} has {_listed(names)}"
+            for dataset, names in zip(datasets, ranged, strict=True)
         )
-        raise PlotError("axes", f"{output} has no axis in common: {told}", "Draw each by itself")
-    return asked[0] if asked else max(shared, key=lambda name: datasets[0].sizes[name])
+        raise PlotError("axes", f"{output} has no axis in common: {listed}", "Draw each by itself")
+    return axes[0] if axes else max(shared, key=lambda name: datasets[0].sizes[name])
 
 
 def _labels(
@@ -265,14 +284,15 @@ def _labels(
     """Return labels that tell the datasets of a picture apart, and the facts that they share."""
     facts = [list(dict.fromkeys(selection.fixed)) for selection in selections]
     common = [fact for fact in facts[0] if all(fact in other for other in facts)]
-    parts = [[fact for fact in own if fact not in common] for own in facts]
+    parts = [[fact for fact in of_dataset if fact not in common] for of_dataset in facts]
     for key in ("scene", "variant", "method"):
         values = [str(dataset.attrs.get(key, "")) for dataset in datasets]
         if len(set(values)) > 1:
             parts = [
-                [value, *own] if value else own for value, own in zip(values, parts, strict=True)
+                [value, *of_dataset] if value else of_dataset
+                for value, of_dataset in zip(values, parts, strict=True)
             ]
-    return _distinct([", ".join(own) for own in parts], datasets), common
+    return _distinct([", ".join(of_dataset) for of_dataset in parts], datasets), common
 
 
 def _distinct(labels: list[str], datasets: Sequence[xarray.Dataset]) -> list[str]:
@@ -342,9 +362,9 @@ def draw_file(
         )
     for target in targets:
         check_format(target)
-    held = read_fixed(at or {})
+    fixed = read_fixed(at or {})
     figure = draw(
-        [read(each) for each in files], variable=variable, axes=axes, at=held, kind=kind, **look
+        [read(path) for path in files], variable=variable, axes=axes, at=fixed, kind=kind, **look
     )
     for target in targets:
         save(figure, target)

@@ -63,14 +63,15 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     style = options.style
     figure = style.sheet()
     panel = figure.add_subplot()
-    across, up, shown, _ = set_plane(panel, speed, MOST)
-    scale = scale_of(shown, style)
+    across, up, values, _ = set_plane(panel, speed, MOST)
+    scale = scale_of(values, style)
     if scale is None:
         say_nothing_is_finite(panel, speed, style)
     else:
         arrows = panel.quiver(
-            across.values, up.values, *(set_plane(panel, one, MOST)[2] for one in components),
-            shown, cmap=scale.colours, norm=scale.norm, pivot="mid", zorder=3,
+            across.values, up.values,
+            *(set_plane(panel, component, MOST)[2] for component in components), values,
+            cmap=scale.colours, norm=scale.norm, pivot="mid", zorder=3,
         )  # fmt: skip
         add_colour_bar(panel, arrows, scale, axis_label(speed.variable, speed.unit), style)
         panel.margins(0.08)
@@ -78,8 +79,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     if {axis.name for axis in speed.axes} == set(POSITIONS):
         panel.set_aspect("equal")
         mean = float(np.nanmean(divergence(components)))
-        way = "spreads" if mean > 0 else "centres"
-        facts = [f"{way} parts: divergence {number(mean, 2)} 1/s", *facts]
+        verb = "spreads" if mean > 0 else "centres"
+        facts = [f"{verb} parts: divergence {number(mean, 2)} 1/s", *facts]
     return finish(
         figure, panel, style, name=options.title or "Velocity over the plate",
         facts=facts, source=source_of(dataset), entries=[],
@@ -89,7 +90,9 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 def divergence(components: list[Selection]) -> Array:
     """Return dv_x/dX + dv_y/dY of a field over the places of a plate [s-1]."""
     total = np.zeros(())
-    for place, one in zip(POSITIONS, components, strict=True):
-        axis = one.variable.get_axis_num(place)
-        total = total + np.gradient(one.variable.values, one.variable[place].values, axis=axis)
+    for position, component in zip(POSITIONS, components, strict=True):
+        axis = component.variable.get_axis_num(position)
+        total = total + np.gradient(
+            component.variable.values, component.variable[position].values, axis=axis
+        )
     return np.asarray(total)

@@ -21,10 +21,10 @@ from vibrafeed.core.plots.trajectory import (
     LEGEND,
     TIME,
     check_trajectory,
-    followed,
+    mode_intervals,
     no_motion,
     read_trajectory,
-    spells,
+    study_of_motion,
     values_of,
 )
 from vibrafeed.core.scenes import ALIASES
@@ -64,9 +64,9 @@ class Film(NamedTuple):
     outline : ndarray, shape (2, k)
         The part's outline about its middle, at pitch 0.
     modes : list of str, length n
-        What the part does, keys of `says`, which has the words.
-    spells : tuple of (str, float, float)
-        What it does from when to when [s]; spells may be shorter than a frame.
+        What the part does, keys of `mode_names`, which has the words.
+    intervals : tuple of (str, float, float)
+        What it does from when to when [s]; it may be shorter than a frame.
     slow : float
         How many times slower it is shown.
     facts, notes : tuple of str
@@ -79,8 +79,8 @@ class Film(NamedTuple):
     pitch: Array
     outline: Array
     modes: list[str]
-    says: Mapping[str, str]
-    spells: tuple[tuple[str, float, float], ...]
+    mode_names: Mapping[str, str]
+    intervals: tuple[tuple[str, float, float], ...]
     unit: str
     slow: float
     facts: tuple[str, ...]
@@ -98,16 +98,16 @@ def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = N
             "slow", f"the slow-motion factor '{slow:g}' is not above 0", "Give a number such as 50"
         )
     check_trajectory(dataset)
-    return (_tumbling if "path_height" in dataset else _on_track)(dataset, units, slow)
+    return (_film_of_fall if "path_height" in dataset else _film_on_track)(dataset, units, slow)
 
 
-def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
+def _film_on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
     """Return the frames of a part on a track, over enough cycles for the part to travel visibly.
 
     The part is drawn as a box, not to scale; its gap to the track is enlarged if it is too small to
     be seen, and notes say so.
     """
-    known = read_trajectory(dataset, units)
+    trajectory = read_trajectory(dataset, units)
     dataset = dataset.sortby(TIME)
     time = values_of(dataset[TIME])
     position, height, along, normal = (
@@ -122,98 +122,100 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     shown = units.of("m", span)
     length = PART_LENGTH * span
     cycles = _cycles(dataset, time, span, length)
-    slow = slow or nice(PERIOD_SHOWN * float(dataset["frequency"]))
-    whole = time[-1] - time[0]
-    frames = frames_in(cycles * whole * slow)
-    moments = np.arange(frames) * (cycles * whole / frames)
-    periods, within = np.divmod(moments, whole)
-    within += time[0]
+    slow = slow or nice_number(PERIOD_SHOWN * float(dataset["frequency"]))
+    duration = time[-1] - time[0]
+    frames = frames_in(cycles * duration * slow)
+    moments = np.arange(frames) * (cycles * duration / frames)
+    periods, in_cycle = np.divmod(moments, duration)
+    in_cycle += time[0]
 
-    def then(values: Array) -> Array:
-        return np.asarray(shown.factor * np.interp(within, time, values))
+    def at_frames(values: Array) -> Array:
+        return np.asarray(shown.factor * np.interp(in_cycle, time, values))
 
-    notes = [f"part not to scale ({_stands_for(dataset, units)})"]
-    gap, seen = float(height.max()), GAP_SEEN * (PART_SHAPE * length)
-    exaggeration = nice(seen / gap) if 0 < gap < seen else 1.0
+    notes = [f"part not to scale ({_name_length(dataset, units)})"]
+    gap, least_seen = float(height.max()), GAP_SEEN * (PART_SHAPE * length)
+    exaggeration = nice_number(least_seen / gap) if 0 < gap < least_seen else 1.0
     if exaggeration > 1:
         notes.append(f"gap {number(exaggeration)} times as large")
     if cycles > 1:
         notes.append(f"cycle shown {cycles} times")
     climb = float(dataset["gamma"]) if "gamma" in dataset else 0.0  # degrees, as files hold angles
     if climb:
-        way = "climbs" if climb > 0 else "falls"
-        notes.append(f"seen along the track, which {way} by {number(abs(climb))}\N{DEGREE SIGN}")
-    track = np.stack([then(along), then(normal)])
-    ride = then(position) + shown.factor * periods * (position[-1] - position[0])
-    half = shown.factor * np.array([length, PART_SHAPE * length]) / 2
-    modes = [mode if mode in LEGEND else "unknown" for mode in known.modes]
+        verb = "climbs" if climb > 0 else "falls"
+        notes.append(f"seen along the track, which {verb} by {number(abs(climb))}\N{DEGREE SIGN}")
+    track = np.stack([at_frames(along), at_frames(normal)])
+    travel = at_frames(position) + shown.factor * periods * (position[-1] - position[0])
+    half_size = shown.factor * np.array([length, PART_SHAPE * length]) / 2
+    modes = [mode if mode in LEGEND else "unknown" for mode in trajectory.modes]
     return Film(
         times=moments + time[0],
         track=track,
-        part=track + np.stack([ride, half[1] + exaggeration * then(height)]),
+        part=track + np.stack([travel, half_size[1] + exaggeration * at_frames(height)]),
         pitch=np.zeros(frames),
-        outline=_box(*half),
-        modes=_now(modes, time, within),
-        says={**LEGEND, "unknown": "unknown"},
-        spells=tuple(
-            (mode, start + k * whole, stop + k * whole)
+        outline=_box(*half_size),
+        modes=_modes_at(modes, time, in_cycle),
+        mode_names={**LEGEND, "unknown": "unknown"},
+        intervals=tuple(
+            (mode, start + k * duration, stop + k * duration)
             for k in range(cycles)
-            for mode, start, stop in spells(modes, time)
+            for mode, start, stop in mode_intervals(modes, time)
         ),
         unit=shown.unit,
         slow=slow,
-        facts=tuple(known.facts),
+        facts=tuple(trajectory.facts),
         notes=tuple(notes),
     )
 
 
-def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
+def _name_length(dataset: xarray.Dataset, units: ShownUnits) -> str:
     if "length" not in dataset or dataset["length"].ndim:
         return "no size in the model"
     shown = shown_in(dataset["length"], units)
     return f"{with_unit(number(shown.factor * float(dataset['length'])), shown.unit)} long"
 
 
-def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
+def _film_of_fall(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
     """Return the frames of an animation of a tumbling part, until shortly after it rests."""
     dataset = dataset.sortby(TIME)
     time = values_of(dataset[TIME])
     along, upward, pitch = (
         values_of(dataset[f"path_{name}"]) for name in ("along", "height", "pitch")
     )
-    followed = np.isfinite(along) & np.isfinite(upward) & np.isfinite(pitch)
-    if followed.sum() < 2:
+    is_known = np.isfinite(along) & np.isfinite(upward) & np.isfinite(pitch)
+    if is_known.sum() < 2:
         raise PlotError("dataset", "the dataset has no values of the motion", "Draw another result")
-    end = time[followed][-1]
-    settled = float(dataset["settling_time"]) if "settling_time" in dataset else np.nan
-    if np.isfinite(settled):
-        end = min(end, time[0] + AFTER_REST * settled)
-    slow = slow or nice(FALL_SHOWN / (end - time[0]))
+    end = time[is_known][-1]
+    settling_time = float(dataset["settling_time"]) if "settling_time" in dataset else np.nan
+    if np.isfinite(settling_time):
+        end = min(end, time[0] + AFTER_REST * settling_time)
+    slow = slow or nice_number(FALL_SHOWN / (end - time[0]))
     moments = np.linspace(time[0], end, frames_in((end - time[0]) * slow))
-    shown = units.of("m", float(upward[followed].max()))
+    shown = units.of("m", float(upward[is_known].max()))
     frequency, beta = (
         float(dataset[name]) if name in dataset.coords else 0.0 for name in ("frequency", "beta")
     )
     amplitude = shown.factor * (amplitude_of(dataset) or 0.0)
-    swing = amplitude * np.sin(TURN * frequency * moments)
-    track = np.stack([swing * np.cos(np.deg2rad(beta)), swing * np.sin(np.deg2rad(beta))])
+    displacement = amplitude * np.sin(TURN * frequency * moments)
+    track = np.stack(
+        [displacement * np.cos(np.deg2rad(beta)), displacement * np.sin(np.deg2rad(beta))]
+    )
 
-    def then(values: Array) -> Array:
-        return np.asarray(np.interp(moments, time[followed], values[followed]))
+    def at_frames(values: Array) -> Array:
+        return np.asarray(np.interp(moments, time[is_known], values[is_known]))
 
     corners = np.nan_to_num(values_of(dataset["path_corners"]))
     modes = [[*CORNERS][int(min(count, 2))] for count in corners]
     return Film(
         times=moments,
         track=track,
-        part=track + shown.factor * np.stack([then(along), then(upward)]),
-        pitch=np.deg2rad(then(pitch)),
+        part=track + shown.factor * np.stack([at_frames(along), at_frames(upward)]),
+        pitch=np.deg2rad(at_frames(pitch)),
         outline=shown.factor * _outline(dataset),
-        modes=_now(modes, time, moments),
-        says=CORNERS,
-        spells=tuple(
+        modes=_modes_at(modes, time, moments),
+        mode_names=CORNERS,
+        intervals=tuple(
             (mode, start, min(stop, end))
-            for mode, start, stop in spells(modes, time)
+            for mode, start, stop in mode_intervals(modes, time)
             if start < end
         ),
         unit=shown.unit,
@@ -222,10 +224,10 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     )
 
 
-def _now(modes: Sequence[str], time: Array, moments: Array) -> list[str]:
+def _modes_at(modes: Sequence[str], time: Array, moments: Array) -> list[str]:
     """Return the mode at the last of some times that is not after each moment."""
-    places = np.searchsorted(time, moments, side="right") - 1
-    return [modes[max(0, int(place))] for place in places]
+    indices = np.searchsorted(time, moments, side="right") - 1
+    return [modes[max(0, int(index))] for index in indices]
 
 
 def _outline(dataset: xarray.Dataset) -> Array:
@@ -255,15 +257,16 @@ def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) ->
     `length` is that of the drawn part [m].
     """
     periods = (time[-1] - time[0]) * float(dataset["frequency"])
-    closed = all(
+    repeats = all(
         abs(float(dataset[name][-1] - dataset[name][0])) <= CLOSED * span
         for name in ("height_above_floor", "track_along", "track_normal")
     )
-    if not closed or round(periods) < 1 or abs(periods - round(periods)) > CLOSED:
+    if not repeats or round(periods) < 1 or abs(periods - round(periods)) > CLOSED:
         return 1
     travel = abs(float(dataset["position_along"][-1] - dataset["position_along"][0]))
-    wanted = TRAVEL * length / travel if travel > 0 else 2.0
-    return int(np.clip(round(min(wanted, MAX_CYCLES)), 1, max(1, MAX_CYCLES // round(periods))))
+    # So often that the part travels some of its lengths.
+    cycles = TRAVEL * length / travel if travel > 0 else 2.0
+    return int(np.clip(round(min(cycles, MAX_CYCLES)), 1, max(1, MAX_CYCLES // round(periods))))
 
 
 def amplitude_of(dataset: xarray.Dataset) -> float | None:
@@ -271,13 +274,16 @@ def amplitude_of(dataset: xarray.Dataset) -> float | None:
 
     The study may give it, a stroke, or a vertical amplitude.
     """
-    known = {str(name): one for name, one in dataset.coords.items() if one.ndim == 0}
-    if "amplitude" in known:
-        return float(known["amplitude"])
+    scalars = {
+        str(name): coordinate for name, coordinate in dataset.coords.items() if coordinate.ndim == 0
+    }
+    if "amplitude" in scalars:
+        return float(scalars["amplitude"])
     for alias in ALIASES:
-        if alias.gives == "amplitude" and set(alias.inputs) <= set(known):
+        if alias.gives == "amplitude" and set(alias.inputs) <= set(scalars):
             values = {
-                name: parameter_to_si(name, np.asarray(known[name].values)) for name in alias.inputs
+                name: parameter_to_si(name, np.asarray(scalars[name].values))
+                for name in alias.inputs
             }
             return float(alias.function(**values))
     return None
@@ -295,7 +301,7 @@ def frames_in(seconds: float) -> int:
     return frames
 
 
-def nice(value: float, *, below: bool = False) -> float:
+def nice_number(value: float, *, below: bool = False) -> float:
     """Return the number of the form 1, 2 or 5 times a power of ten nearest to a value, or below."""
     power = 10.0 ** np.floor(np.log10(value))
     choices = [step * power for step in (1.0, 2.0, 5.0, 10.0)]
@@ -324,7 +330,7 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
     """True if a dataset is one row of parts in time, and no output or axes are asked for."""
     if options.asks or dataset.attrs.get("scene") != ROW:
         return False
-    return FIRST in dataset or followed(dataset) is not None
+    return FIRST in dataset or study_of_motion(dataset) is not None
 
 
 def read_row(dataset: xarray.Dataset, units: ShownUnits) -> RowPositions:
@@ -356,8 +362,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     dataset has no row in time.
     """
     check_result(dataset)
-    if FIRST not in dataset and (one := followed(dataset)) is not None:
-        dataset = tabulate(one).to_xarray()
+    if FIRST not in dataset and (study := study_of_motion(dataset)) is not None:
+        dataset = tabulate(study).to_xarray()
     style, units = options.style, options.units
     row = read_row(dataset, units)
     figure = style.sheet()

@@ -109,6 +109,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
 
 
 def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Options) -> Figure:
+    """Return the picture of the objective over one or two variables."""
     problem, style, units = prepared.problem, options.style, options.units
     names = options.axes[::-1] if options.axes else problem.names[:2]  # the last is across
     if len(names) > 2 or len({*names}) < len(names) or not {*names} <= {*problem.names}:
@@ -124,19 +125,19 @@ def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Op
                 "at", f"{name} is not ranged", f"Ranged parameters: {', '.join(axes) or 'none'}"
             )
     positions = fixed_positions(dataset, options.at, axes, (), nearest=options.nearest)
-    held = _held(problem, dataset.isel(positions))
-    shown = _computed(dataset, prepared, positions, units, names, held)
+    at_variables = _held_values(problem, dataset.isel(positions))
+    landscape = _compute_landscape(dataset, prepared, positions, units, names, at_variables)
     figure = style.sheet()
     panel = figure.add_subplot()
-    entries = (_draw_curve if len(names) == 1 else _draw_plane)(panel, shown, style)
-    counted = with_fresh_nodes(problem)
+    entries = (_draw_curve if len(names) == 1 else _draw_plane)(panel, landscape, style)
+    objective_problem = with_fresh_nodes(problem)
     facts = [
         criterion_in_words(problem),
-        *([f"over {counted.nodes:,} points"] if counted.is_sampled else []),
+        *([f"over {objective_problem.nodes:,} points"] if objective_problem.is_sampled else []),
         *held_fixed(dataset, units, positions),
         *(
             held_at(_array(name, from_si(name, np.asarray(value))), units)
-            for name, value in zip(problem.names, held, strict=True)
+            for name, value in zip(problem.names, at_variables, strict=True)
             if name not in names
         ),
     ]
@@ -145,11 +146,11 @@ def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Op
     return finish(
         figure, panel, style, name=options.title or name, facts=facts,
         source=source_of(dataset, criterion_in_words(problem)), entries=entries,
-        note="" if shown.best.size else "No choice within the bounds keeps all limits",
+        note="" if landscape.best.size else "No choice within the bounds keeps all limits",
     )  # fmt: skip
 
 
-def _limit(kept: OutputBound, units: ShownUnits) -> str:
+def _limit_label(kept: OutputBound, units: ShownUnits) -> str:
     """Return the label of a constraint for the legend, such as "throw number < 3"."""
     if kept.name not in (f"{kept.output}_lower", f"{kept.output}_upper") or kept.bound is None:
         return words(kept.name)
@@ -166,14 +167,14 @@ def _is_solved(best: xarray.Dataset) -> bool:
     )
 
 
-def _held(problem: OptimisationProblem, best: xarray.Dataset) -> Array:
+def _held_values(problem: OptimisationProblem, best: xarray.Dataset) -> Array:
     """Return the values of all variables at a single optimum, else in the middle, SI units."""
     if _is_solved(best) and FRONT not in best.dims:
         return np.array([float(to_si(name, best[f"best_{name}"].values)) for name in problem.names])
     return (np.asarray(problem.lower) + np.asarray(problem.upper)) / 2
 
 
-def _computed(
+def _compute_landscape(
     dataset: xarray.Dataset,
     prepared: Optimisation,
     positions: Mapping[str, int],
@@ -190,42 +191,46 @@ def _computed(
     problem, count = prepared.problem, POINTS[len(names)]
     bounds = dict(zip(problem.names, zip(problem.lower, problem.upper, strict=True), strict=True))
     sides = [np.linspace(*bounds[name], count) for name in names]
-    moved = dict(zip(names, np.meshgrid(*sides, indexing="ij"), strict=True))
+    meshes = dict(zip(names, np.meshgrid(*sides, indexing="ij"), strict=True))
     shape = (count,) * len(names)
     grid = np.stack(
         [
-            moved.get(name, np.full(shape, value))
+            meshes.get(name, np.full(shape, value))
             for name, value in zip(problem.names, held, strict=True)
         ]
     )
-    flat = np.ravel_multi_index(tuple(positions.values()), tuple(prepared.designs.shape.values()))
-    cell = int(flat) if positions else 0
+    flat_position = np.ravel_multi_index(
+        tuple(positions.values()), tuple(prepared.designs.shape.values())
+    )
+    cell = int(flat_position) if positions else 0
     design = chosen_cells(designs_of(problem, prepared.designs), slice(cell, cell + 1))
 
-    def over(values: Array) -> Array:
+    def on_grid(values: Array) -> Array:
         return np.array(np.broadcast_to(values, shape))
 
     best = dataset.isel(dict(positions))
-    tops, drawn, labels = [], [], []
+    best_values, axes, labels = [], [], []
     for name, side in zip(names, sides, strict=True):
         variable = _array(name, from_si(name, side))
         unit = shown_in(variable, units)
-        drawn.append(scaled(variable, unit.factor))
+        axes.append(scaled(variable, unit.factor))
         labels.append(axis_label(variable, unit.unit))
-        tops.append(unit.factor * np.atleast_1d(best[f"best_{name}"].values))
+        best_values.append(unit.factor * np.atleast_1d(best[f"best_{name}"].values))
     objective = _objective(with_fresh_nodes(problem), grid, design)
-    value = _array(problem.criterion.output, problem.sign * over(objective))
+    value = _array(problem.criterion.output, problem.sign * on_grid(objective))
     unit = shown_in(value, units)
     return Landscape(
-        variables=tuple(drawn),
+        variables=tuple(axes),
         labels=tuple(labels),
         value=scaled(value, unit.factor),
         label=axis_label(value, unit.unit),
         margins={
-            _limit(kept, units): _excluding(over(problem.safe_margin(kept, grid, design)))
+            _limit_label(kept, units): _with_nan_broken(
+                on_grid(problem.safe_margin(kept, grid, design))
+            )
             for kept in problem.constraints
         },
-        best=np.array(tops) if _is_solved(best) else np.empty((len(tops), 0)),
+        best=np.array(best_values) if _is_solved(best) else np.empty((len(best_values), 0)),
     )
 
 
@@ -240,79 +245,84 @@ def _objective(problem: OptimisationProblem, grid: Array, design: Mapping[str, A
     return np.concatenate(pieces).reshape(grid.shape[1:])
 
 
-def _excluding(margin: Array) -> Array:
+def _with_nan_broken(margin: Array) -> Array:
+    # A limit is broken where its output has no value.
     finite = margin[np.isfinite(margin)]
     return np.nan_to_num(margin, nan=min(float(finite.min(initial=0.0)), -np.finfo(float).eps))
 
 
-def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
+def _draw_plane(axes: Axes, landscape: Landscape, style: Style) -> list[Artist]:
     """Draw an objective over two variables as a filled map; return the entries of the legend."""
-    (y, x), value = shown.variables, np.ma.masked_invalid(shown.value)
+    (y, x), value = landscape.variables, np.ma.masked_invalid(landscape.value)
     # The scale is that of what may be chosen: what is excluded may be far larger.
-    allowed = np.ones(shown.value.shape, dtype=bool)
-    for margin in shown.margins.values():
+    allowed = np.ones(landscape.value.shape, dtype=bool)
+    for margin in landscape.margins.values():
         allowed &= margin >= 0
-    some = np.where(allowed, shown.value, np.nan)
-    scale = scale_of(some if np.isfinite(some).any() else shown.value, style)
+    choosable = np.where(allowed, landscape.value, np.nan)
+    scale = scale_of(choosable if np.isfinite(choosable).any() else landscape.value, style)
     if scale is not None:
         filled = axes.contourf(
             x, y, value, levels=scale.levels, cmap=scale.colours, norm=scale.norm,
             extend=scale.extend if allowed.all() else "both",
         )  # fmt: skip
-        add_colour_bar(axes, filled, scale, shown.label, style)
+        add_colour_bar(axes, filled, scale, landscape.label, style)
         lines = axes.contour(
             x, y, value, levels=scale.levels, linewidths=style.width(0.5),
-            colors=[style.on(scale.colour(v)) for v in scale.levels],
+            colors=[style.on(scale.colour(level)) for level in scale.levels],
         )  # fmt: skip
         number_lines(axes, lines, style, 8, fmt=plain, colors=[style.ink])
     # The legend shows a colour that the picture has.
-    face = scale.typical(np.where(allowed, np.nan, shown.value)) if scale is not None else None
-    entries = _limits(axes, shown, style, face)
-    tops = shown.best
-    if tops.shape[1] > 1:
+    face = scale.typical(np.where(allowed, np.nan, landscape.value)) if scale is not None else None
+    entries = _shade_limits(axes, landscape, style, face)
+    best = landscape.best
+    if best.shape[1] > 1:
         look: Any = {"color": style.accent, "lw": style.width(3.0)}
-        axes.plot(tops[1], tops[0], "-", clip_on=False, zorder=5, **look)
+        axes.plot(best[1], best[0], "-", clip_on=False, zorder=5, **look)
         entries.append(Line2D([], [], label="front", **look))
-    elif tops.size:
-        entries.append(_star(axes, tops[1], tops[0], style))
-    axes.set(xlabel=shown.labels[1], ylabel=shown.labels[0])
+    elif best.size:
+        entries.append(_star(axes, best[1], best[0], style))
+    axes.set(xlabel=landscape.labels[1], ylabel=landscape.labels[0])
     return entries
 
 
-def _draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
+def _draw_curve(axes: Axes, landscape: Landscape, style: Style) -> list[Artist]:
     """Draw an objective over one variable as a curve; return the entries of the legend."""
-    (x,), value = shown.variables, shown.value
+    (x,), value = landscape.variables, landscape.value
     axes.plot(x, value, color=style.curve, lw=style.width(2.0), zorder=4)
     entries: list[Artist] = []
     look: Any = {
         "facecolor": mix(style.quiet, style.ground, 0.75), "hatch": "///",
         "edgecolor": mix(style.quiet, style.ground, 0.5),
     }  # fmt: skip
-    for name, margin in shown.margins.items():
+    for name, margin in landscape.margins.items():
         if margin.min() < 0:
             axes.fill_between(
                 x, 0, 1, where=(margin < 0).tolist(), transform=axes.get_xaxis_transform(),
                 linewidth=0, zorder=1, **look,
             )  # fmt: skip
             entries.append(Patch(label=f"excluded by {name}", **look))
-    if shown.best.size:
-        entries.append(_star(axes, shown.best[0], np.interp(shown.best[0], x, value), style))
+    if landscape.best.size:
+        entries.append(
+            _star(axes, landscape.best[0], np.interp(landscape.best[0], x, value), style)
+        )
     finite = value[np.isfinite(value)]
     if finite.size:
         axes.set_ylim(*padded(float(finite.min()), float(finite.max())))
-    axes.set(xlim=(x[0], x[-1]), xlabel=shown.labels[0], ylabel=shown.label)
+    axes.set(xlim=(x[0], x[-1]), xlabel=landscape.labels[0], ylabel=landscape.label)
     style.add_grid(axes)
     return entries
 
 
-def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> list[Artist]:
+def _shade_limits(
+    axes: Axes, landscape: Landscape, style: Style, colour_below: RGB | None
+) -> list[Artist]:
     """Shade the area that constraints exclude, and draw the border of each; return legend entries.
 
-    `face` is a colour of the excluded area for the legend; a default is taken if it is None.
+    `colour_below` is a colour under the veil, for the legend; None takes a default.
     """
-    (y, x), entries = shown.variables, list[Artist]()
+    (y, x), entries = landscape.variables, list[Artist]()
     colours = (style.series[1], style.series[2], style.series[3], style.series[5])
-    for colour, (name, margin) in zip(colours, shown.margins.items(), strict=False):
+    for colour, (name, margin) in zip(colours, landscape.margins.items(), strict=False):
         if margin.min() < 0 < margin.max():
             axes.contour(x, y, margin, levels=[0.0], colors=[colour], linewidths=style.width(2.2))
             label = f"edge of {name}"
@@ -321,8 +331,14 @@ def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> lis
             axes.contourf(
                 x, y, margin, levels=[margin.min(), 0.0], colors=[style.ground], alpha=EXCLUDED
             )
-    if any(margin.min() < 0 for _, margin in zip(colours, shown.margins.values(), strict=False)):
-        pale = mix(style.single_sign(0.5)[:3] if face is None else face, style.ground, EXCLUDED)
+    if any(
+        margin.min() < 0 for _, margin in zip(colours, landscape.margins.values(), strict=False)
+    ):
+        pale = mix(
+            style.single_sign(0.5)[:3] if colour_below is None else colour_below,
+            style.ground,
+            EXCLUDED,
+        )
         entries.append(Patch(facecolor=pale, edgecolor=style.quiet, label="faint: excluded"))
     return entries
 
@@ -374,27 +390,32 @@ def _draw_front(dataset: xarray.Dataset, prepared: Optimisation, options: Option
             "Draw the result of a study with criterion kind 'pareto'",
         )
     units, style = options.units, options.style
-    asked = [name for name in options.at if name in dataset.dims]
-    positions = fixed_positions(dataset, options.at, asked, (FRONT,), nearest=options.nearest)
-    held = dataset.isel(positions)
-    others = tuple(str(name) for name in held["optimum_status"].dims if name != FRONT)
-    fronts = Fronts(held.drop_vars(positions), criterion, others, style, units)
+    ranged = [name for name in options.at if name in dataset.dims]
+    positions = fixed_positions(dataset, options.at, ranged, (FRONT,), nearest=options.nearest)
+    at_held = dataset.isel(positions)
+    others = tuple(str(name) for name in at_held["optimum_status"].dims if name != FRONT)
+    fronts = Fronts(at_held.drop_vars(positions), criterion, others, style, units)
     designs = (
         fronts.dataset.stack(design=others) if others else fronts.dataset.expand_dims("design")
     )
-    ends = designs.isel(front=0)
-    single = ends["front_points"].values == 1 if "front_points" in ends else np.zeros(0, bool)
-    is_single = bool(single.size) and bool(single.all())
+    first_points = designs.isel(front=0)
+    has_one_point = (
+        first_points["front_points"].values == 1
+        if "front_points" in first_points
+        else np.zeros(0, bool)
+    )
+    is_single = bool(has_one_point.size) and bool(has_one_point.all())
     if others and is_single:
         figure, top, entries, note = _draw_choices(fronts)
     else:
         figure = style.sheet()
         top = figure.add_subplot()
-        entries, note = _draw_fronts(top, fronts, designs, single)
+        entries, note = _draw_fronts(top, fronts, designs, has_one_point)
     name = "Trade-off along a front"
     if is_single:
         output, against = (
-            in_sentence(long_name(dataset[n])) for n in (criterion.output, criterion.against)
+            in_sentence(long_name(dataset[variable]))
+            for variable in (criterion.output, criterion.against)
         )
         name = f"No trade-off: {against} least where {output} is largest"
     return finish(
@@ -405,48 +426,54 @@ def _draw_front(dataset: xarray.Dataset, prepared: Optimisation, options: Option
 
 
 def _draw_fronts(
-    axes: Axes, fronts: Fronts, designs: xarray.Dataset, single: np.ndarray
+    axes: Axes, fronts: Fronts, designs: xarray.Dataset, has_one_point: np.ndarray
 ) -> tuple[list[Artist], str]:
     """Draw the fronts of some designs; return the entries of the legend, and a note.
 
-    `single` is True for a design without a trade-off; such designs are left out where others have a
-    front.
+    `has_one_point` is True for a design without a trade-off; such designs are left out where others
+    have a front.
     """
     style, units, criterion = fronts.style, fronts.units, fronts.criterion
     count = designs.sizes["design"]
-    kept = np.flatnonzero(~single) if single.size and not single.all() else np.arange(count)
-    chosen = kept[thin(kept.size, FEW)]
+    with_front = (
+        np.flatnonzero(~has_one_point)
+        if has_one_point.size and not has_one_point.all()
+        else np.arange(count)
+    )
+    chosen = with_front[thin(with_front.size, FEW)]
     against, output = fronts.dataset[criterion.against], fronts.dataset[criterion.output]
-    side, height = shown_in(against, units), shown_in(output, units)
+    against_unit, output_unit = shown_in(against, units), shown_in(output, units)
     entries: list[Artist] = []
     dot: Any = {"marker": "o", "ms": style.width(8), "mec": style.ground}
-    for colour, place in zip(style.series_over(len(chosen)), chosen, strict=True):
-        front = designs.isel(design=int(place))
-        across = np.abs(scaled(front[criterion.against], side.factor))
-        along = scaled(front[criterion.output], height.factor)
-        axes.plot(across, along, color=colour, lw=style.width(1.8))
+    for colour, design in zip(style.series_over(len(chosen)), chosen, strict=True):
+        front = designs.isel(design=int(design))
+        across = np.abs(scaled(front[criterion.against], against_unit.factor))
+        up = scaled(front[criterion.output], output_unit.factor)
+        axes.plot(across, up, color=colour, lw=style.width(1.8))
         knee = np.flatnonzero(front["knee"].values)
-        axes.plot(across[knee], along[knee], ls="", color=colour, zorder=5, **dot)
-        named = fronts.name(front, fronts.others)
-        entries.append(Line2D([], [], color=colour, lw=style.width(1.8), label=named or "front"))
-    said = "knee: where the front bends most"
-    if single.size and single.all():
+        axes.plot(across[knee], up[knee], ls="", color=colour, zorder=5, **dot)
+        design_name = fronts.name(front, fronts.others)
+        entries.append(
+            Line2D([], [], color=colour, lw=style.width(1.8), label=design_name or "front")
+        )
+    knee_label = "knee: where the front bends most"
+    if has_one_point.size and has_one_point.all():
         front = designs.isel(design=0, front=0)
         names = [str(name) for name in front.data_vars if str(name).startswith("best_")]
-        said = f"best in both: {fronts.name(front, names)}"
+        knee_label = f"best in both: {fronts.name(front, names)}"
         entries.clear()
-    entries.append(Line2D([], [], ls="", color=style.quiet, label=said, **dot))
+    entries.append(Line2D([], [], ls="", color=style.quiet, label=knee_label, **dot))
     if not np.isfinite(output.values).any():
         axes.annotate(
             "No choice within the bounds keeps all limits", (0.5, 0.5), xycoords="axes fraction",
             ha="center", va="center", color=style.ink, fontsize=style.text(11),
         )  # fmt: skip
-    axes.set_xlabel(f"Magnitude of the {in_sentence(axis_label(against, side.unit))}")
-    axes.set_ylabel(axis_label(output, height.unit))
+    axes.set_xlabel(f"Magnitude of the {in_sentence(axis_label(against, against_unit.unit))}")
+    axes.set_ylabel(axis_label(output, output_unit.unit))
     style.add_grid(axes)
     notes = [f"{len(chosen)} of {count} designs"] if len(chosen) < count else []
-    if kept.size < count:
-        notes.append(f"{count - kept.size} without a trade-off")
+    if with_front.size < count:
+        notes.append(f"{count - with_front.size} without a trade-off")
     return entries, ", ".join(notes)
 
 
@@ -460,12 +487,12 @@ def _draw_choices(fronts: Fronts) -> tuple[Figure, Axes, list[Artist], str]:
     style, units = fronts.style, fronts.units
     best = fronts.dataset.isel({FRONT: 0})
     across = max(fronts.others, key=lambda name: best.sizes[name])
-    rest = tuple(name for name in fronts.others if name != across)
+    others = tuple(name for name in fronts.others if name != across)
     axis = axis_of(best[across], units)
-    family = best.stack(design=rest) if rest else best.expand_dims("design")
+    family = best.stack(design=others) if others else best.expand_dims("design")
     count = family.sizes["design"]
     chosen = thin(count, FEW)
-    curves = [family.isel(design=int(place)) for place in chosen]
+    curves = [family.isel(design=int(design)) for design in chosen]
     colours = style.series_over(len(chosen))
     names = [str(name) for name in best.data_vars if str(name).startswith("best_")]
     figure = style.sheet(WIDTH, 6.4 if len(names) == 1 else PANEL * len(names))
@@ -484,10 +511,10 @@ def _draw_choices(fronts: Fronts) -> tuple[Figure, Axes, list[Artist], str]:
     panels[-1].set_xlabel(axis.label)
     entries: list[Artist] = [
         Line2D([], [], color=colour, lw=style.width(1.8),
-               label=fronts.name(curve, rest) or "best choice")
+               label=fronts.name(curve, others) or "best choice")
         for colour, curve in zip(colours, curves, strict=True)
     ]  # fmt: skip
     notes = [f"{len(chosen)} of {count} curves"] if len(chosen) < count else []
-    if still := int((best["optimum_status"] == STATUS["no_motion"]).sum()):
-        notes.append(f"nothing moves in {still} of {best['optimum_status'].size} designs")
+    if motionless := int((best["optimum_status"] == STATUS["no_motion"]).sum()):
+        notes.append(f"nothing moves in {motionless} of {best['optimum_status'].size} designs")
     return figure, panels[0], entries, ", ".join(notes)

@@ -78,17 +78,18 @@ DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0
 Dashes = tuple[float, tuple[float, ...]] | Literal["solid"]
 
 
-def _said(look: Look, dataset: xarray.Dataset, regime: xarray.DataArray) -> Look:
+def _name_status(look: Look, dataset: xarray.Dataset, regime: xarray.DataArray) -> Look:
+    """Return a look; that of cells whose regime is not assessed is named by their status."""
     if look.name != "not_assessed":
         return look
-    nowhere = regime == look.value
+    is_not_assessed = regime == look.value
     for name in STATUSES:
-        if name in dataset and dataset[name].dims == nowhere.dims:
+        if name in dataset and dataset[name].dims == is_not_assessed.dims:
             meanings = flags_of(dataset[name].attrs)
-            present = np.unique(dataset[name].values[nowhere.values]).tolist()
-            why = [meanings[one] for one in present if one in meanings]
-            if why:
-                return replace(look, name=" or ".join(why))
+            codes = np.unique(dataset[name].values[is_not_assessed.values]).tolist()
+            causes = [meanings[code] for code in codes if code in meanings]
+            if causes:
+                return replace(look, name=" or ".join(causes))
     return look
 
 
@@ -98,12 +99,14 @@ def fits(dataset: xarray.Dataset, options: Options) -> bool:
     return natural(dataset, options.variable, options.axes)[0] == options.kind
 
 
-def render(dataset: xarray.Dataset, options: Options, painter: Painter, beyond: str) -> Figure:
+def render(
+    dataset: xarray.Dataset, options: Options, painter: Painter, invalid_look: str
+) -> Figure:
     """Return the picture of a slice of a dataset.
 
-    `painter` draws the selected values into a figure, and returns axes and legend entries. `beyond`
-    says in a note how regimes look in which formulas do not hold, with ``{pale}`` in place of the
-    style's word for pale.
+    `painter` draws the selected values into a figure, and returns axes and legend entries.
+    `invalid_look` is how regimes look in which formulas do not hold, with ``{pale}`` in place of
+    the style's word for pale.
     """
     check_result(dataset)
     style = options.style
@@ -119,25 +122,25 @@ def render(dataset: xarray.Dataset, options: Options, painter: Painter, beyond: 
         looks = looks_of_categories(selection.categories, style)
     elif "regime" in dataset:
         looks = looks_of(selection.regime, selection.regimes, style, exact=selection.exact)
-        looks = [_said(look, dataset, selection.regime) for look in looks]
+        looks = [_name_status(look, dataset, selection.regime) for look in looks]
     else:
         looks = [Look(ANY_REGIME, NO_REGIMES, True, *PLAIN, style)]
-    pair = is_pair(dataset)
-    sides: Any = (figure,)
-    if pair:
-        sides = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
-    top, entries = painter(sides[0], selection, looks, style)
-    entries = [one for one in entries if not str(one.get_label()).startswith(NO_REGIMES)]
-    if pair:  # what hits what
+    has_bodies = is_pair(dataset)
+    subfigures: Any = (figure,)
+    if has_bodies:
+        subfigures = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
+    top, entries = painter(subfigures[0], selection, looks, style)
+    entries = [entry for entry in entries if not str(entry.get_label()).startswith(NO_REGIMES)]
+    if has_bodies:  # what hits what
         dims = [str(name) for name in dataset.dims]
         positions = fixed_positions(dataset, options.at, dims, (), nearest=True)
-        draw_views(sides[1], dataset, positions, style, below=True)
+        draw_views(subfigures[1], dataset, positions, style, below=True)
     name = long_name(selection.variable)
     if is_regime(str(selection.variable.name)):
         name = f"Regimes{name.removeprefix('Regime')}"
-    how = beyond.format(pale="Dim" if style.dark else "Pale")
+    wording = invalid_look.format(pale="Dim" if style.dark else "Pale")
     note = (
-        f"{how}: the closed forms do not describe a part there"
+        f"{wording}: the closed forms do not describe a part there"
         if any(look.beyond for look in looks)
         else ""
     )
@@ -150,6 +153,7 @@ def render(dataset: xarray.Dataset, options: Options, painter: Painter, beyond: 
 def _draw_line(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
+    """Draw a curve, or some for values of a second axis, with their regimes."""
     # Outputs that have a name in each cell are drawn as strips.
     across = selection.axes[0]
     chosen = thin(selection.axes[1].values.size, FEW) if len(selection.axes) > 1 else [0]
@@ -158,9 +162,9 @@ def _draw_line(
         return _draw_categories(figure, selection, regimes, looks, style, chosen)
     values = selection.values.reshape(across.values.size, -1)[:, chosen]
     colours = style.series_over(len(chosen))
-    axes, entries, alike = _draw_regimes(figure, selection, regimes, looks, style, chosen)
+    axes, entries, is_shaded = _draw_regimes(figure, selection, regimes, looks, style, chosen)
     for colour, curve, states in zip(colours, values.T, regimes.T, strict=True):
-        strokes = [_stroke(look, looks, alike) for look in looks]
+        strokes = [_stroke(look, looks, is_shaded) for look in looks]
         _draw_curve(axes, across.values, curve, states, looks, strokes, colour, style)
     if selection.band is not None:
         low, high = (end.reshape(across.values.size, -1)[:, chosen] for end in selection.band)
@@ -170,13 +174,13 @@ def _draw_line(
     if len(selection.axes) > 1:
         _name_curves(figure, selection, selection.axes[1].values[chosen], colours)
     axes.set_xlim(across.values[0], across.values[-1])
-    ends = value_range(values)
-    if ends is None:
+    limits = value_range(values)
+    if limits is None:
         say_nothing_is_finite(axes, selection, style)
         axes.set_yticks([])
     else:
-        axes.set_ylim(*padded(*ends))
-        if ends[0] < 0 < ends[1]:
+        axes.set_ylim(*padded(*limits))
+        if limits[0] < 0 < limits[1]:
             axes.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
     _mark_level(axes, selection, style)
     axes.set_ylabel(axis_label(selection.variable, selection.unit))
@@ -192,10 +196,16 @@ def _draw_regimes(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist], bool]:
+    """Set up axes and show regimes: by the background, by strips below, or else by dashes.
+
+    Return the axes, the legend entries, and False where dashes alone tell regimes apart.
+    """
     across = selection.axes[0]
-    alike = bool((regimes == regimes[:, :1]).all())
-    striped = not alike and len({_stroke(look, looks, alike) for look in looks}) < len(looks)
-    if striped:
+    # The background shows them if they are the same for all curves.
+    are_equal = bool((regimes == regimes[:, :1]).all())
+    strokes = [_stroke(look, looks, is_shaded=False) for look in looks]
+    has_strips = not are_equal and len({*strokes}) < len(looks)
+    if has_strips:
         heights = (1.0, 0.055 * len(chosen))
         axes, lowest = figure.subplots(2, 1, sharex=True, height_ratios=heights)
         _add_strips(lowest, across, regimes, looks, _labels(selection, chosen))
@@ -204,17 +214,16 @@ def _draw_regimes(
         axes = lowest = figure.add_subplot()
     if across.is_log:
         set_log(axes.xaxis, across.values)
-    if alike:
-        _spans(axes, across, regimes[:, 0], looks, style)
+    if are_equal:
+        _shade_spans(axes, across, regimes[:, 0], looks, style)
         entries = [swatch(look, look.tint, hatched=look.name not in MOTION) for look in looks]
-    elif not striped:
-        strokes = [_stroke(look, looks, alike=False) for look in looks]
+    elif not has_strips:
         entries = [
             Line2D([], [], color=style.ink, linewidth=width, linestyle=dashes, label=look.label)
             for look, (width, dashes) in zip(looks, strokes, strict=True)
         ]
     lowest.set_xlabel(across.label)
-    return axes, entries, alike or striped
+    return axes, entries, are_equal or has_strips
 
 
 def _draw_categories(
@@ -225,6 +234,7 @@ def _draw_categories(
     style: Style,
     chosen: Sequence[int] | NDArray[np.int64],
 ) -> tuple[Axes, list[Artist]]:
+    """Draw the names in cells as strips, one for each value of a second axis."""
     axes = figure.add_subplot()
     across = selection.axes[0]
     if across.is_log:
@@ -246,12 +256,13 @@ def _labels(selection: Selection, chosen: Sequence[int] | NDArray[np.int64]) -> 
 
 
 def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
-    level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
+    """Draw the line of an output's threshold, such as throw number 1."""
+    level, meaning = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     low, high = axes.get_ylim()
     if low < level < high:
         axes.axhline(level, color=style.accent, linewidth=style.width(1.6), zorder=1.8)
         axes.annotate(
-            f"{number(level)}: {begins}", (0.01, level), xycoords=axes.get_yaxis_transform(),
+            f"{number(level)}: {meaning}", (0.01, level), xycoords=axes.get_yaxis_transform(),
             xytext=(0, 3), textcoords="offset points", color=style.accent,
             fontsize=style.text(9), zorder=6,
             path_effects=[withStroke(linewidth=3.0, foreground=style.ground)],
@@ -266,6 +277,7 @@ def _add_bands(
     colours: list[RGB],
     style: Style,
 ) -> Artist:
+    """Shade the band of each curve; return the legend entry."""
     for low, high, colour in zip(lower.T, upper.T, colours, strict=True):
         if (low < high).any():
             axes.fill_between(x, low, high, color=colour, alpha=BAND, linewidth=0, zorder=1.5)
@@ -280,6 +292,7 @@ def _add_strips(
     looks: Sequence[Look],
     labels: list[str],
 ) -> None:
+    """Draw the regimes of each curve as a row of coloured bars."""
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     for row, states in enumerate(regimes.T):
@@ -301,16 +314,17 @@ def _runs(states: NDArray[np.int64]) -> list[tuple[int, int, int]]:
     return [(int(states[start]), start, stop) for start, stop in pairwise(changes)]
 
 
-def _stroke(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, Dashes]:
+def _stroke(look: Look, looks: Sequence[Look], is_shaded: bool) -> tuple[float, Dashes]:
     """Return the line width and the dashes of a curve in a regime.
 
     Curves are solid where the formulas hold, and dashed in regimes where they do not, each with a
-    pattern of its own, unless the background tells the regimes apart: `alike`.
+    pattern of its own, unless the background tells the regimes apart: `is_shaded`.
     """
     if look.valid:
-        return PLAIN[-1] if alike else look.width, "solid"
-    rank = 0 if alike else [other for other in looks if not other.valid].index(look)
-    return look.width, (0.0, DASHES[rank % len(DASHES)])
+        return PLAIN[-1] if is_shaded else look.width, "solid"
+    invalid = [other for other in looks if not other.valid]
+    pattern = 0 if is_shaded else invalid.index(look)
+    return look.width, (0.0, DASHES[pattern % len(DASHES)])
 
 
 def _draw_curve(
@@ -328,26 +342,35 @@ def _draw_curve(
     A part of it goes up to the first point of the next regime.
     """
     for look, (width, dashes) in zip(looks, strokes, strict=True):
-        here = states == look.value
-        here[1:] |= here[:-1]
-        if here.any():
+        in_regime = states == look.value
+        in_regime[1:] |= in_regime[:-1]  # and the first point of the next one
+        if in_regime.any():
             axes.plot(
-                x, np.where(here, curve, np.nan), linewidth=width, linestyle=dashes,
+                x, np.where(in_regime, curve, np.nan), linewidth=width, linestyle=dashes,
                 color=colour if look.valid else mix(colour, "#9a9a9a", 0.35),
-                solid_capstyle="butt", marker="o" if here.sum() == 1 else "", markersize=3,
+                solid_capstyle="butt", marker="o" if in_regime.sum() == 1 else "", markersize=3,
             )  # fmt: skip
     # Few points are marked: between them nothing was computed.
     if x.size <= 12:
         axes.plot(x, curve, "o", color=colour, markersize=style.width(4), zorder=4)
     valid = np.isin(states, [look.value for look in looks if look.valid])
-    last = np.flatnonzero(valid[:-1] != valid[1:])
-    last = np.where(valid[last], last, last + 1)
-    axes.plot(x[last], curve[last], "o", color=style.ink, markersize=style.width(4.5), zorder=5)
+    # The last valid point on either side of a change.
+    last_valid = np.flatnonzero(valid[:-1] != valid[1:])
+    last_valid = np.where(valid[last_valid], last_valid, last_valid + 1)
+    axes.plot(
+        x[last_valid],
+        curve[last_valid],
+        "o",
+        color=style.ink,
+        markersize=style.width(4.5),
+        zorder=5,
+    )
 
 
-def _spans(
+def _shade_spans(
     axes: Axes, across: PlotAxis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
 ) -> None:
+    """Shade the background by regime, with a line where the regime changes."""
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     runs = _runs(states)
@@ -369,6 +392,7 @@ def _spans(
 def _name_curves(
     figure: FigureBase, selection: Selection, values: Array, colours: list[RGB]
 ) -> None:
+    """Add the legend that names curves by their value of the second axis."""
     second = selection.axes[1]
     handles = [
         Line2D([], [], color=colour, linewidth=1.8, label=with_unit(number(value, 4), second.unit))

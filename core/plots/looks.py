@@ -213,8 +213,8 @@ def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = Tru
 def veiled_swatch(look: Look, face: RGB) -> Patch:
     """Return the legend entry of a regime over a face colour, with the veil of invalid values."""
     ground = look.style.ground
-    seen = face if look.valid else mix(face, ground, VEIL_STRENGTH)
-    return swatch(look, seen, mix(seen, _ink(look, face), 0.6))
+    veiled = face if look.valid else mix(face, ground, VEIL_STRENGTH)
+    return swatch(look, veiled, mix(veiled, _ink(look, face), 0.6))
 
 
 def _ink(look: Look, face: RGB) -> RGB:
@@ -231,17 +231,17 @@ def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
     """
     name = str(array.name)
     if "flag_values" in array.attrs:
-        named = {value: words(name) for value, name in flags_of(array.attrs).items()}
-        other = "{}"
+        names = {value: words(name) for value, name in flags_of(array.attrs).items()}
+        other_name = "{}"
     elif name in QUANTITIES and QUANTITIES[name].other_words:
-        named, other = dict(QUANTITIES[name].words), QUANTITIES[name].other_words
+        names, other_name = dict(QUANTITIES[name].words), QUANTITIES[name].other_words
     else:
         return None
     present = np.unique(codes_of(array.values)).tolist()
     if len(present) > 8:
         return None
-    named[NO_VALUE] = "no value"
-    return {value: named.get(value, other.format(value)) for value in present}
+    names[NO_VALUE] = "no value"
+    return {value: names.get(value, other_name.format(value)) for value in present}
 
 
 def codes_of(values: NDArray[np.generic]) -> NDArray[np.int64]:

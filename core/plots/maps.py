@@ -68,6 +68,7 @@ Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 def _draw_contour(
     figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
+    """Draw filled contours of an output, with regimes hatched and named."""
     axes = figure.add_subplot()
     across, up, values, regimes = set_plane(axes, selection, 1000)
     x, y = across.values, up.values
@@ -102,13 +103,13 @@ def _mark_level(
     axes: Axes, plane: tuple[Array, Array, Masked], selection: Selection, style: Style
 ) -> None:
     # The line on which an output passes its threshold, such as throw number 1.
-    level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
+    level, meaning = LEVELS.get(str(selection.variable.name), (np.nan, ""))
     if not plane[2].min() < level < plane[2].max():
         return
     look: Any = {"colors": [style.accent]}
     line = axes.contour(*plane, levels=[level], linewidths=[style.width(2.4)], zorder=7, **look)
     for label in axes.clabel(
-        line, fontsize=style.text(9), fmt=f"{number(level)}: {begins}", inline=False, zorder=8,
+        line, fontsize=style.text(9), fmt=f"{number(level)}: {meaning}", inline=False, zorder=8,
         **look,
     )[:1]:  # fmt: skip
         label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
@@ -168,7 +169,7 @@ def _hatch_unsettled(axes: Axes, selection: Selection, style: Style) -> list[Art
     return [Patch(facecolor="none", hatch=UNSETTLED, label=label, **look)]
 
 
-def _add_lines(axes: Axes, plane: Plane, what: str, unit: str, style: Style) -> list[Artist]:
+def _add_lines(axes: Axes, plane: Plane, noun: str, unit: str, style: Style) -> list[Artist]:
     """Add level lines with numbers to a map; return the legend entries of the signs that occur."""
     across, up, values, _ = plane
     ends = value_range(values)
@@ -179,17 +180,17 @@ def _add_lines(axes: Axes, plane: Plane, what: str, unit: str, style: Style) -> 
     levels = levels[(levels > ends[0]) & (levels < ends[1])]
     masked = np.ma.masked_invalid(values)
     looks: tuple[tuple[int, str, str, float, Literal["solid", "dashed"]], ...] = (
-        (1, what, style.ink, 1.3, "solid"),
+        (1, noun, style.ink, 1.3, "solid"),
         (0, "zero", style.ink, 2.2, "solid"),
-        (-1, f"{what} below zero", style.accent, 1.5, "dashed"),
+        (-1, f"{noun} below zero", style.accent, 1.5, "dashed"),
     )
     entries: list[Artist] = []
     for sign, text, colour, width, dashes in looks:
-        own = levels[np.sign(levels) == sign]
-        if not own.size:
+        levels_of_sign = levels[np.sign(levels) == sign]
+        if not levels_of_sign.size:
             continue
         lines = axes.contour(
-            across.values, up.values, masked, levels=own, colors=[colour],
+            across.values, up.values, masked, levels=levels_of_sign, colors=[colour],
             linewidths=[style.width(width)], linestyles=[dashes], zorder=4,
         )  # fmt: skip
         number_lines(axes, lines, style, 8.5, fmt=number, zorder=6)
@@ -255,9 +256,12 @@ def share_entries(
 
 
 def _cells_at(axis: PlotAxis, edges: Array, count: int) -> NDArray[np.intp]:
-    drawn = np.log(edges) if axis.is_log else edges
-    points = drawn[0] + (np.arange(count) + 0.5) / count * (drawn[-1] - drawn[0])
-    return np.searchsorted(drawn[1:-1], points)
+    """Return the cell at each of evenly spaced points of an axis as it is drawn."""
+    edges_as_drawn = np.log(edges) if axis.is_log else edges
+    points = edges_as_drawn[0] + (np.arange(count) + 0.5) / count * (
+        edges_as_drawn[-1] - edges_as_drawn[0]
+    )
+    return np.searchsorted(edges_as_drawn[1:-1], points)
 
 
 def _add_names(
@@ -279,18 +283,18 @@ def _add_names(
             _cells_at(across, cell_edges(across), RASTER[0]),
         )
     ]
-    text = style.text(TEXT_SIZE)
+    font_size = style.text(TEXT_SIZE)
     # In a small frame a text takes a larger share.
     zoom = SMALL / NARROW if style.small else 1.0
     for look in looks:
         bounds = TextPath((0, 0), words(look.name), size=TEXT_SIZE * zoom).get_extents()
         size = (bounds.width, max(bounds.height, TEXT_SIZE * zoom))
         for (width, height), rotation in ((size, 0), (size[::-1], 90)):
-            place = _centre(raster == look.value, width, height)
-            if place is not None:
+            position = _place_for(raster == look.value, width, height)
+            if position is not None:
                 name = axes.text(
-                    *place, words(look.name), transform=axes.transAxes, ha="center", va="center",
-                    rotation=rotation, fontsize=text, zorder=9,
+                    *position, words(look.name), transform=axes.transAxes, ha="center", va="center",
+                    rotation=rotation, fontsize=font_size, zorder=9,
                     color=ON_FILL if on_fill else style.ink,
                 )  # fmt: skip
                 name.set_gid(GIVES_WAY)
@@ -299,7 +303,10 @@ def _add_names(
                 break
 
 
-def _centre(inside: NDArray[np.bool_], width: float, height: float) -> tuple[float, float] | None:
+def _place_for(
+    inside: NDArray[np.bool_], width: float, height: float
+) -> tuple[float, float] | None:
+    """Return where a label fits best into a region, from 0 to 1 across and up; None if nowhere."""
     columns = math.ceil(width * RASTER[0] / BOX[0] * CLEARANCE)
     rows = math.ceil(height * RASTER[1] / BOX[1] * CLEARANCE)
     framed = np.pad(inside, 1)  # the frame is a border too
@@ -309,10 +316,10 @@ def _centre(inside: NDArray[np.bool_], width: float, height: float) -> tuple[flo
     if not free.any():
         return None
     depth = distance_transform_edt(framed)[1:-1, 1:-1]
-    row, column = np.meshgrid(*(np.arange(n) for n in inside.shape), indexing="ij")
-    aside = np.hypot(row - row[inside].mean(), column - column[inside].mean())
+    row, column = np.meshgrid(*(np.arange(size) for size in inside.shape), indexing="ij")
+    distance = np.hypot(row - row[inside].mean(), column - column[inside].mean())
     # A place may be so much less deep if it lies nearer to the middle.
-    best = int(np.where(free, depth - 0.1 * aside, -np.inf).argmax())
+    best = int(np.where(free, depth - 0.1 * distance, -np.inf).argmax())
     return (best % RASTER[0] + 0.5) / RASTER[0], (best // RASTER[0] + 0.5) / RASTER[1]
 
 

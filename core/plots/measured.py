@@ -19,28 +19,30 @@ FINE = 721  # points of a smooth curve
 UNITS = "m", "m/s", "m/s²"  # of displacements, velocities and accelerations
 
 
-def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
+def draw_fit(fit: Fit) -> Figure:
     """Return the picture of a drive that was fitted to a recording of accelerations.
 
     On the left are the samples of one period with the fitted drive, axis by axis, and the residual;
     on the right the spectrum, in which dots mark the fitted harmonics, and the path of the track.
     """
-    style = Style(dark=dark)
+    style = LIGHT
     figure = style.sheet(10.0, 7.0)
-    left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
+    left_half, right_half = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
     count = len(fit.axes)
-    periods = left.subplots(count + 1, 1, sharex=True, height_ratios=(*(1.0,) * count, 0.8))
+    periods = left_half.subplots(count + 1, 1, sharex=True, height_ratios=(*(1.0,) * count, 0.8))
     _draw_period(periods, fit, style)
-    spectrum, path = right.subplots(2, 1, height_ratios=(1.0, 1.2))
+    spectrum, path = right_half.subplots(2, 1, height_ratios=(1.0, 1.2))
     _draw_spectrum(spectrum, fit, style)
     _draw_path(path, fit, style)
     for axes in (*periods, spectrum, path):
         style.add_grid(axes)
-    for part in (left, right):
+    for part in (left_half, right_half):
         part.set_facecolor(style.ground)
-    left.align_ylabels(periods)
-    found, rest = _facts(fit)
-    return finish(figure, periods[0], style, name="Drive of a recording", facts=found, source=rest)
+    left_half.align_ylabels(periods)
+    facts, source = _facts(fit)
+    return finish(
+        figure, periods[0], style, name="Drive of a recording", facts=facts, source=source
+    )
 
 
 def _facts(fit: Fit) -> tuple[list[str], str]:
@@ -53,29 +55,32 @@ def _facts(fit: Fit) -> tuple[list[str], str]:
         pace = "slow" if fit.clock.error > 0.0 else "fast"
         facts.append(f"clock {100 * abs(fit.clock.error):.2g} % {pace}")
     facts.append(f"{fit.periods:.0f} periods, {fit.samples:,} samples")
-    left, drift = (f"{100 * np.linalg.norm(one):.2g} %" for one in (fit.left_over, fit.drifting))
+    unexplained, drift = (
+        f"{100 * np.linalg.norm(fractions):.2g} %" for fractions in (fit.left_over, fit.drifting)
+    )
     return facts, (
-        f"All axes together: not explained by the fit {left}, drift {drift} of the drive"
+        f"All axes together: not explained by the fit {unexplained}, drift {drift} of the drive"
     )
 
 
 def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
+    """Draw the samples of each axis within one period, the fit, and the residuals."""
     fold = fit.fold()
     milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
     smooth = np.linspace(0.0, 2.0 * np.pi, FINE)
     curves = fit.periodic(smooth)
-    some = slice(None, None, -(-fit.samples // MAX_POINTS))
-    times = milliseconds * fold.phase[some]
+    thinned = slice(None, None, -(-fit.samples // MAX_POINTS))
+    times = milliseconds * fold.phase[thinned]
     last, unit = panels[-1], UNITS[fit.signal.derivative]
     for panel, axis, values, curve, residual in zip(
         panels[:-1], fit.axes, fold.values, curves, fold.residual, strict=True
     ):
         colour = style.series[AXES.index(axis)]
         dots: Any = {"color": colour, "markersize": style.width(3.0), "alpha": 0.35}
-        panel.plot(times, values[some], ".", zorder=2, **dots)
+        panel.plot(times, values[thinned], ".", zorder=2, **dots)
         panel.plot(milliseconds * smooth, curve, color=style.ink, linewidth=1.2, zorder=3)
         panel.set_ylabel(f"{axis.capitalize()} ({unit})")
-        last.plot(times, residual[some], ".", **dots)
+        last.plot(times, residual[thinned], ".", **dots)
     last.axhline(0.0, color=style.ink, linewidth=0.8)
     last.set(
         ylabel=f"Residual ({unit})",
@@ -85,9 +90,11 @@ def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
 
 
 def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
+    """Draw the spectrum of each axis, with a dot at each fitted harmonic."""
     fold = fit.fold()
     window = np.hanning(fit.samples)
     amplitude = 2.0 * np.abs(np.fft.rfft(fold.values * window)) / window.sum()
+    # k/(n dt), with n samples of the spacing dt = periods/(frequency (n - 1)).
     frequencies = (
         np.arange(amplitude.shape[1]) * fit.frequency / fit.periods * (1 - 1 / fit.samples)
     )
@@ -124,6 +131,7 @@ def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
 
 
 def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
+    """Draw the path of the track, along and normal; without both, each axis over time."""
     phase = np.linspace(0.0, 2.0 * np.pi, FINE)
     moved = dict(zip(fit.axes, 1e6 * fit.displacement(phase), strict=True))
     if "along" not in moved or "normal" not in moved:
@@ -156,15 +164,16 @@ def draw_report(dataset: xarray.Dataset) -> Figure | None:
     """
     if not np.isfinite(dataset["error"].values).any():
         return None
-    style = LIGHT
-    figure = style.sheet(7.0, 5.6)
+    figure = LIGHT.sheet(7.0, 5.6)
     axes = figure.subplots()
-    for number, curve in enumerate(flags_of(dataset["curve"].attrs).values()):
-        here = dataset.isel(curve=number)
-        seconds = here["time_per_cell"].values * 1e6
+    for index, curve in enumerate(flags_of(dataset["curve"].attrs).values()):
+        of_curve = dataset.isel(curve=index)
+        seconds = of_curve["time_per_cell"].values * 1e6
         # Errors of 0 have no place on a logarithmic axis.
-        low, high = (np.fmax(here[name].values, 1e-18) for name in ("error", "error_largest"))
-        colour, marker = (set_[number % len(set_)] for set_ in (style.series, "osD^vPX*ph<"))
+        low, high = (np.fmax(of_curve[name].values, 1e-18) for name in ("error", "error_largest"))
+        colour, marker = (
+            choices[index % len(choices)] for choices in (LIGHT.series, "osD^vPX*ph<")
+        )
         axes.vlines(seconds, low, high, color=colour, lw=1.2)
         axes.plot(seconds, high, "_", color=colour, ms=8)
         axes.plot(seconds, low, f"{marker}-", color=colour, ms=6.5, lw=1.4, label=words(curve))
@@ -174,7 +183,7 @@ def draw_report(dataset: xarray.Dataset) -> Figure | None:
         xlabel="Time of a cell (us)",
         ylabel="Error: median (mark) to largest (bar)",
     )
-    style.add_grid(axes)
+    LIGHT.add_grid(axes)
     entries, _ = axes.get_legend_handles_labels()
     name = f"Error against run time: {dataset.attrs.get('title', '')}"
-    return finish(figure, axes, style, name=name, entries=entries)
+    return finish(figure, axes, LIGHT, name=name, entries=entries)

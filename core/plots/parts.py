@@ -53,22 +53,26 @@ def finish(
     """
     style.dress(figure)
     _add_legend(figure, entries, note, style)
-    heading = _add_name(figure, name, style)
+    heading = _add_title(figure, name, style)
     # Where the axes begin is known only after a layout, with a text of as many lines.
     top.set_title("\n" if source and facts else " ", loc="left", fontsize=style.text(FACTS),
                   linespacing=1.4, color=style.quiet)  # fmt: skip
     figure.draw_without_rendering()
-    start, end = top.get_window_extent().intervalx
-    beside = [legend.get_window_extent() for legend in figure.legends]
-    ends = [box.x0 - MARGIN * figure.bbox.width for box in beside if box.x0 > end]
-    room = min([(1 - MARGIN) * figure.bbox.width, *ends]) - start
+    left, right = top.get_window_extent().intervalx
+    # Their width reaches to a legend on the right, else to the margin.
+    legends = [legend.get_window_extent() for legend in figure.legends]
+    legend_starts = [box.x0 - MARGIN * figure.bbox.width for box in legends if box.x0 > right]
+    width = min([(1 - MARGIN) * figure.bbox.width, *legend_starts]) - left
     size = style.text(FACTS)
-    lines = [*_wrapped(figure, facts, room, size), _longest(figure, _cut(source), room, size)]
+    lines = [
+        *_wrap(figure, facts, width, size),
+        _first_that_fits(figure, _shortenings(source), width, size),
+    ]
     title = top.set_title("\n".join(filter(None, lines)), loc="left", fontsize=size,
                           linespacing=1.4, color=style.quiet)  # fmt: skip
-    start = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
-    if start + heading.get_window_extent().width < (1 - MARGIN) * figure.bbox.width:
-        heading.set_x(start / figure.bbox.width)
+    left = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
+    if left + heading.get_window_extent().width < (1 - MARGIN) * figure.bbox.width:
+        heading.set_x(left / figure.bbox.width)
     _leave_out_what_meets(figure)
     return figure
 
@@ -91,14 +95,14 @@ def _text_width(figure: Figure, text: str, size: float, weight: str = "normal") 
     return float(width)
 
 
-def _longest(
+def _first_that_fits(
     figure: Figure, texts: Iterable[str], width: float, size: float, weight: str = "normal"
 ) -> str:
-    """Return the first of some texts, the longest first, that fits a width; empty if none does."""
-    return next((one for one in texts if _text_width(figure, one, size, weight) <= width), "")
+    return next((text for text in texts if _text_width(figure, text, size, weight) <= width), "")
 
 
-def _wrapped(figure: Figure, facts: Sequence[str], width: float, size: float) -> list[str]:
+def _wrap(figure: Figure, facts: Sequence[str], width: float, size: float) -> list[str]:
+    """Return facts, joined by dots, as lines that fit a width."""
     lines: list[str] = []
     for fact in facts:
         longer = DOT.join([*lines[-1:], fact])
@@ -109,13 +113,15 @@ def _wrapped(figure: Figure, facts: Sequence[str], width: float, size: float) ->
     return lines
 
 
-def _cut(text: str) -> Iterator[str]:
+def _shortenings(text: str) -> Iterator[str]:
+    """Yield a text, and the text without its last word, its last two words, and so on."""
     yield text
     for cut in range(text.count(" "), 0, -1):
         yield " ".join(text.split(" ")[:cut]).rstrip(" ,(") + " …"
 
 
-def _add_name(figure: Figure, name: str, style: Style) -> Text:
+def _add_title(figure: Figure, name: str, style: Style) -> Text:
+    """Write the title on one line, or two, the second cut if it is too long."""
     size, width = style.text(13.0), (1 - 2 * MARGIN) * figure.bbox.width
     words, count = name.split(), 1
     while (
@@ -123,10 +129,10 @@ def _add_name(figure: Figure, name: str, style: Style) -> Text:
         and _text_width(figure, " ".join(words[: count + 1]), size, "bold") <= width
     ):
         count += 1
-    rest = _longest(figure, _cut(" ".join(words[count:])), width, size, "bold")
-    shown = "\n".join(filter(None, [" ".join(words[:count]), rest]))
+    rest = _first_that_fits(figure, _shortenings(" ".join(words[count:])), width, size, "bold")
+    title = "\n".join(filter(None, [" ".join(words[:count]), rest]))
     return figure.suptitle(
-        shown, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink
+        title, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink
     )
 
 
@@ -149,7 +155,7 @@ def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Sty
         handleheight=1.4,
         columnspacing=1.4,
         labelcolor=style.ink,
-        title=_longest(figure, _cut(note), width, size) or None,
+        title=_first_that_fits(figure, _shortenings(note), width, size) or None,
         title_fontsize=size,
         alignment="left",
     )
@@ -168,14 +174,14 @@ def _leave_out_what_meets(figure: Figure) -> None:
     # the one drawn on top (the larger z-order) stays. The figure has to be laid out.
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     shown = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
-    kept = [text.get_window_extent(renderer) for text in shown if text.get_gid() != GIVES_WAY]
-    loose = [text for text in shown if text.get_gid() == GIVES_WAY]
-    for text in sorted(loose, key=lambda text: -text.get_zorder()):
+    boxes = [text.get_window_extent(renderer) for text in shown if text.get_gid() != GIVES_WAY]
+    yielding = [text for text in shown if text.get_gid() == GIVES_WAY]
+    for text in sorted(yielding, key=lambda text: -text.get_zorder()):
         box = text.get_window_extent(renderer)
         frame = text.axes.get_window_extent() if text.axes else figure.bbox
         inside = frame.x0 < box.x0 < box.x1 < frame.x1 and frame.y0 < box.y0 < box.y1 < frame.y1
-        if inside and not any(box.padded(AIR).overlaps(other) for other in kept):
-            kept.append(box)
+        if inside and not any(box.padded(AIR).overlaps(other) for other in boxes):
+            boxes.append(box)
         else:
             text.set_visible(False)
 
@@ -216,9 +222,9 @@ def value_range(values: Array) -> tuple[float, float] | None:
     if not finite.size:
         return None
     low, high = float(finite.min()), float(finite.max())
-    most = np.percentile(finite, [OUTLIERS, 100 - OUTLIERS])
-    if 0 < SPREAD * (most[1] - most[0]) < high - low:
-        low, high = float(most[0]), float(most[1])
+    inner = np.percentile(finite, [OUTLIERS, 100 - OUTLIERS])
+    if 0 < SPREAD * (inner[1] - inner[0]) < high - low:
+        low, high = float(inner[0]), float(inner[1])
     if high - low <= FLAT * max(abs(low), abs(high)):
         room = 0.05 * max(abs(low), abs(high)) or 1.0
         low, high = low - room, high + room
@@ -230,20 +236,20 @@ def scale_of(values: Array, style: Style) -> Scale | None:
 
     If both signs occur to some extent, the colours have two branches with zero in the middle.
     """
-    ends = value_range(values)
-    if ends is None:
+    limits = value_range(values)
+    if limits is None:
         return None
     locator = MaxNLocator(12, steps=[1, 2, 2.5, 5, 10])
-    levels = np.asarray(locator.tick_values(*ends), dtype=np.float64)
-    under, over = np.nanmin(values) < levels[0], np.nanmax(values) > levels[-1]
+    levels = np.asarray(locator.tick_values(*limits), dtype=np.float64)
+    is_below, is_above = np.nanmin(values) < levels[0], np.nanmax(values) > levels[-1]
     extend: Literal["neither", "min", "max", "both"] = (
-        "both" if under and over else "min" if under else "max" if over else "neither"
+        "both" if is_below and is_above else "min" if is_below else "max" if is_above else "neither"
     )
     # A sign that reaches less of the other leaves the colours to that one.
-    if min(-ends[0], ends[1]) > 0.1 * max(-ends[0], ends[1]):
-        most = float(np.abs(levels).max())
+    if min(-limits[0], limits[1]) > 0.1 * max(-limits[0], limits[1]):
+        largest = float(np.abs(levels).max())
         colours = matplotlib.colormaps["berlin" if style.dark else "RdYlBu_r"]
-        return Scale(levels, colours, Normalize(-most, most), extend)
+        return Scale(levels, colours, Normalize(-largest, largest), extend)
     norm = Normalize(float(levels[0]), float(levels[-1]))
     return Scale(levels, style.single_sign, norm, extend)
 
@@ -271,10 +277,10 @@ def cell_edges(axis: PlotAxis) -> Array:
 
     They lie halfway between two points, as the axis is drawn, and at both ends.
     """
-    drawn = np.log(axis.values) if axis.is_log else axis.values
-    between = (drawn[:-1] + drawn[1:]) / 2
-    middle = np.exp(between) if axis.is_log else between
-    return np.concatenate([axis.values[:1], middle, axis.values[-1:]])
+    points = np.log(axis.values) if axis.is_log else axis.values
+    borders = (points[:-1] + points[1:]) / 2
+    inner = np.exp(borders) if axis.is_log else borders
+    return np.concatenate([axis.values[:1], inner, axis.values[-1:]])
 
 
 def limit_to_cells(axes: Axes, across: PlotAxis, up: PlotAxis) -> None:
@@ -283,23 +289,23 @@ def limit_to_cells(axes: Axes, across: PlotAxis, up: PlotAxis) -> None:
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
 
 
-def set_plane(axes: Axes, selection: Selection, most: int) -> Plane:
+def set_plane(axes: Axes, selection: Selection, max_points: int) -> Plane:
     """Set labels and spacing of axes for a picture over two axes; return what to draw there.
 
-    Of more than `most` points of an axis as many are taken, both ends included. The result has the
-    axes across and up, and arrays of values and regimes, shape (up, across).
+    Of an axis with more points `max_points` are taken, both ends included. The result has the axes
+    across and up, and arrays of values and regimes, shape (up, across).
     """
-    columns, rows = (thin(axis.values.size, most) for axis in selection.axes)
+    columns, rows = (thin(axis.values.size, max_points) for axis in selection.axes)
     across, up = (
-        replace(axis, values=axis.values[some])
-        for axis, some in zip(selection.axes, (columns, rows), strict=True)
+        replace(axis, values=axis.values[indices])
+        for axis, indices in zip(selection.axes, (columns, rows), strict=True)
     )
     for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
         if axis.is_log:
             set_log(spine, axis.values)
         spine.set_label_text(axis.label)
-    part = np.ix_(columns, rows)
-    return across, up, selection.values[part].T, selection.regimes[part].T
+    cells = np.ix_(columns, rows)
+    return across, up, selection.values[cells].T, selection.regimes[cells].T
 
 
 def add_colour_bar(

@@ -107,17 +107,17 @@ def natural(
     Lines are drawn over one axis, or if an axis has at most seven values; a map if values have
     names; lines of equal value for speeds; else contours.
     """
-    whole = dataset[_variable(dataset, variable)]
-    names = _axes(whole, axes, 2)
-    is_named = bool(categories_of(whole))
-    few = len(names) == 2 and min(whole.sizes[name] for name in names) <= FEW
+    array = dataset[_variable(dataset, variable)]
+    names = _axes(array, axes, 2)
+    is_named = bool(categories_of(array))
+    few = len(names) == 2 and min(array.sizes[name] for name in names) <= FEW
     if len(names) == 1 or (few and not is_named):
         if axes is None:
-            names = tuple(sorted(names, key=lambda name: -whole.sizes[name]))
-        return "line", str(whole.name), names
+            names = tuple(sorted(names, key=lambda name: -array.sizes[name]))
+        return "line", str(array.name), names
     if is_named:
-        return "map", str(whole.name), names
-    return "levels" if whole.name in SPEEDS else "contour", str(whole.name), names
+        return "map", str(array.name), names
+    return "levels" if array.name in SPEEDS else "contour", str(array.name), names
 
 
 def select(
@@ -137,20 +137,20 @@ def select(
     `PlotError` tells that the dataset does not have what is asked for.
     """
     units = units or ShownUnits()
-    whole, names, categories = _selected(dataset, variable, axes, kind)
-    regime = _regime(dataset, whole)
-    order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
-    asked = [name for name in at if name in dataset.dims]  # told, also if nothing depends on it
-    loose = list(dict.fromkeys(str(dim) for dim in [*order, *asked] if dim not in names))
-    positions = fixed_positions(dataset, at, loose, names, nearest=nearest)
+    array, names, categories = _selected(dataset, variable, axes, kind)
+    regime = _regime(dataset, array)
+    order = [*array.dims, *(dim for dim in regime.dims if dim not in array.dims)]
+    named = [name for name in at if name in dataset.dims]  # told, also if nothing depends on it
+    not_drawn = list(dict.fromkeys(str(dim) for dim in [*order, *named] if dim not in names))
+    positions = fixed_positions(dataset, at, not_drawn, names, nearest=nearest)
 
-    def part(array: xarray.DataArray) -> xarray.DataArray:
+    def take(array: xarray.DataArray) -> xarray.DataArray:
         return array.isel(positions, missing_dims="ignore").transpose(*names).sortby(list(names))
 
-    name = demand_in_words(whole, units) or long_name(whole)
-    if whole.name == "objective" and "criterion" in dataset.attrs:
+    name = demand_in_words(array, units) or long_name(array)
+    if array.name == "objective" and "criterion" in dataset.attrs:
         name = f"Objective: {words(str(dataset.attrs['criterion']))}"
-    slice_ = part(whole).assign_attrs(long_name=name)
+    slice_ = take(array).assign_attrs(long_name=name)
     states = regime.isel(positions, missing_dims="ignore").sortby(
         [name for name in names if name in regime.dims]
     )
@@ -165,28 +165,29 @@ def select(
         regimes=codes_of(slice_.values) if categories else codes,
         regime=regime,
         fixed=held_fixed(dataset, units, positions),
-        exact=_is_exact(dataset, str(whole.name)),
+        exact=_is_exact(dataset, str(array.name)),
         categories=categories,
-        **_band(dataset, slice_, part, shown.factor),
+        **_band(dataset, slice_, take, shown.factor),
     )
 
 
 def _band(
     dataset: xarray.Dataset,
-    whole: xarray.DataArray,
-    part: Callable[[xarray.DataArray], xarray.DataArray],
+    output: xarray.DataArray,
+    take: Callable[[xarray.DataArray], xarray.DataArray],
     factor: float,
 ) -> dict[str, Any]:
-    spread, ends = dataset.get(f"{whole.name}_spread"), [f"{whole.name}_{end}" for end in ENDS]
+    """Return the fields of a `Selection` on its band: over friction, or of a spread."""
+    spread, ends = dataset.get(f"{output.name}_spread"), [f"{output.name}_{end}" for end in ENDS]
     if all(end in dataset for end in ends):
-        over = known_between(Table.of_xarray(dataset).coordinates)
-        band = tuple(scaled(part(dataset[end]), factor) for end in ends)
-        signs = part(dataset[UNSETTLED].broadcast_like(dataset[ends[0]])).values
+        friction_range = known_between(Table.of_xarray(dataset).coordinates)
+        band = tuple(scaled(take(dataset[end]), factor) for end in ends)
+        signs = take(dataset[UNSETTLED].broadcast_like(dataset[ends[0]])).values
         unsettled = signs == SIGNS["unsettled"].value
-        return {"band": band, "band_label": f"for {over}", "unsettled": unsettled}
+        return {"band": band, "band_label": f"for {friction_range}", "unsettled": unsettled}
     if spread is None:
         return {}
-    values, width = (scaled(one, factor) for one in (whole, part(spread)))
+    values, width = (scaled(array, factor) for array in (output, take(spread)))
     width = np.nan_to_num(width, posinf=0.0)
     if not width.any():
         return {}
@@ -196,13 +197,14 @@ def _band(
 def _selected(
     dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None, kind: str
 ) -> tuple[xarray.DataArray, tuple[str, ...], dict[int, str] | None]:
-    whole = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
-    names = _axes(whole, axes, 1 if kind == "line" else 2)
-    categories = None if is_regime(str(whole.name)) else categories_of(whole)
+    """Return the output, the axes to draw, and the output's categories, if any."""
+    array = _on_map(dataset, variable) if kind == "map" else dataset[_variable(dataset, variable)]
+    names = _axes(array, axes, 1 if kind == "line" else 2)
+    categories = None if is_regime(str(array.name)) else categories_of(array)
     if categories and kind in ("contour", "levels"):
         raise PlotError(
             "kind",
-            f"{whole.name} has a name in each cell, not a number",
+            f"{array.name} has a name in each cell, not a number",
             "Leave out kind, or draw kind map",
         )
     if kind != "line" and len(names) == 1:
@@ -210,12 +212,13 @@ def _selected(
         raise PlotError(
             "kind",
             f"kind {kind} needs two axes, but there is only {names[0]}",
-            "Name two axes" if sum(size > 1 for size in whole.shape) > 1 else line,
+            "Name two axes" if sum(size > 1 for size in array.shape) > 1 else line,
         )
-    return whole, names, categories
+    return array, names, categories
 
 
 def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
+    """Return the variable that colours the cells of a map: regimes, or names."""
     if REGIME not in dataset:
         raise PlotError(
             "kind",
@@ -225,17 +228,17 @@ def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
     if variable is None or is_regime(variable):
         name = variable or REGIME
         if name not in dataset:
-            regimes = [str(one) for one in dataset.data_vars if is_regime(str(one))]
+            regimes = [str(name) for name in dataset.data_vars if is_regime(str(name))]
             raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, regimes))
         return dataset[name]
-    whole = dataset[_variable(dataset, variable)]
-    if not categories_of(whole):
+    array = dataset[_variable(dataset, variable)]
+    if not categories_of(array):
         raise PlotError(
             "variable",
-            f"{whole.name} has numbers; a map shows regimes or outputs whose numbers have names",
-            f"Draw {_regime(dataset, whole).name}, or draw kind contour",
+            f"{array.name} has numbers; a map shows regimes or outputs whose numbers have names",
+            f"Draw {_regime(dataset, array).name}, or draw kind contour",
         )
-    return whole
+    return array
 
 
 def outputs_of(dataset: xarray.Dataset) -> list[str]:
@@ -280,6 +283,7 @@ def _regime(dataset: xarray.Dataset, output: xarray.DataArray) -> xarray.DataArr
 
 
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:
+    """Return the name of the output to draw, by default the first that varies."""
     outputs = outputs_of(dataset)
     if not outputs:
         raise unreadable("it holds no output")
@@ -299,16 +303,17 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
     return name
 
 
-def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
-    ranged = [str(dim) for dim in whole.dims if whole.sizes[dim] > 1]
+def _axes(array: xarray.DataArray, names: tuple[str, ...] | None, max_axes: int) -> tuple[str, ...]:
+    """Return the dimensions to draw over, by default the longest."""
+    ranged = [str(dim) for dim in array.dims if array.sizes[dim] > 1]
     if not ranged:
         raise PlotError(
             "variable",
-            f"{whole.name} has one value only, so there is nothing to draw",
+            f"{array.name} has one value only, so there is nothing to draw",
             "Choose an output that depends on a ranged parameter",
         )
     if names is None:
-        longest = sorted(ranged, key=lambda name: -whole.sizes[name])[:most]
+        longest = sorted(ranged, key=lambda name: -array.sizes[name])[:max_axes]
         return tuple(name for name in ranged if name in longest)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
         raise PlotError(
@@ -317,11 +322,11 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
             "Name them, as in beta,alpha",
         )
     for name in names:
-        if name in whole.dims and name not in ranged:
+        if name in array.dims and name not in ranged:
             raise PlotError("axes", f"{name} has one value only", "Take " + " or ".join(ranged))
         if name not in ranged:
             raise PlotError(
-                "axes", f"{whole.name} has no dimension '{name[:40]}'", suggestion(name, ranged)
+                "axes", f"{array.name} has no dimension '{name[:40]}'", suggestion(name, ranged)
             )
     return names
 
@@ -340,10 +345,10 @@ def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | Non
     statistics were taken has its range instead of a value.
     """
     name = name_in_words(str(coordinate.name))
-    ends = coordinate.attrs.get("reduced_range", coordinate.attrs.get(BAND))
-    if position is None and ends is not None:  # its value is only nominal
-        shown = shown_in(coordinate.copy(data=np.float64(np.max(np.abs(ends)))), units)
-        low, high = (number(shown.factor * float(end)) for end in ends)
+    range_ends = coordinate.attrs.get("reduced_range", coordinate.attrs.get(BAND))
+    if position is None and range_ends is not None:  # its value is only nominal
+        shown = shown_in(coordinate.copy(data=np.float64(np.max(np.abs(range_ends)))), units)
+        low, high = (number(shown.factor * float(end)) for end in range_ends)
         return f"over {name} {low} to {with_unit(high, shown.unit)}".replace(" ", SPACE)
     values = coordinate if position is None else coordinate[position]
     shown = shown_in(values, units)
@@ -359,16 +364,16 @@ def _is_exact(dataset: xarray.Dataset, output: str) -> bool:
     scene = SCENES.get(name)
     if scene is None or variant not in scene.conditions:
         return False
-    doubtful = {found for condition in scene.conditions[variant] for found in condition.outputs}
-    return output in scene.producers(variant) and output not in doubtful
+    restricted = {name for condition in scene.conditions[variant] for name in condition.outputs}
+    return output in scene.producers(variant) and output not in restricted
 
 
-def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
+def units_of(dataset: xarray.Dataset, units: Sequence[str] | str | None) -> ShownUnits:
     """Return the units in which a picture shows values: those asked for, else those of the study.
 
     `PlotError` tells that a name is not a unit.
     """
-    words = dataset.attrs.get("shown_units", "") if asked is None else asked
+    words = dataset.attrs.get("shown_units", "") if units is None else units
     listed = words.split(",") if isinstance(words, str) else list(words)
     try:
         return read_shown(word for word in listed if word.strip())
@@ -378,10 +383,10 @@ def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> Show
 
 def check_result(dataset: xarray.Dataset) -> None:
     """Raise `PlotError` if a dataset is not a result of vibrafeed."""
-    told = (
+    is_result = (
         "regime" in dataset.data_vars or "reduced" in dataset.attrs
     ) and "scene" in dataset.attrs
-    if not told:
+    if not is_result:
         raise unreadable("it is not a result of vibrafeed: no regime or no scene")
 
 
@@ -412,19 +417,19 @@ def in_letters(at: Mapping[str, Any]) -> dict[str, Any]:
 def fixed_positions(
     dataset: xarray.Dataset,
     at: Mapping[str, float],
-    loose: Iterable[str],
+    dimensions: Iterable[str],
     axes: Iterable[str],
     *,
     nearest: bool = False,
 ) -> dict[str, int]:
-    """Return the index at which each of the `loose` dimensions is held; else the middle.
+    """Return the index at which each of some `dimensions` is held; else the middle.
 
     `at` has values of dimensions in the unit of the dataset, `axes` are drawn. With `nearest` a
     value that the dataset does not have stands for the nearest one. `PlotError` tells that `at`
     names an axis, no parameter, or a value that the dataset does not have.
     """
-    known = [str(name) for name in dataset.coords]
-    asked = {}
+    coordinates = [str(name) for name in dataset.coords]
+    positions = {}
     for name, value in at.items():
         if name in axes:
             others = ",".join(axis for axis in axes if axis != name)
@@ -433,14 +438,14 @@ def fixed_positions(
                 f"{name} is an axis of this picture, so it cannot also have a fixed value",
                 f"Add --axes {others}, or leave it out" if others else "Leave it out",
             )
-        if name not in known:
+        if name not in coordinates:
             raise PlotError(
                 f"at.{name}",
                 "the dataset has no such dimension",
                 suggestion(name, map(str, dataset.dims)),
             )
-        asked[name] = _position(dataset[name], value, nearest=nearest)
-    return {name: asked.get(name, dataset.sizes[name] // 2) for name in loose}
+        positions[name] = _position(dataset[name], value, nearest=nearest)
+    return {name: positions.get(name, dataset.sizes[name] // 2) for name in dimensions}
 
 
 def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> int:

@@ -55,16 +55,16 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     """
     style, shown = Style(), units_of(dataset, units)
     page = Figure(figsize=PAGE, facecolor=style.ground)
-    at = TOP
+    y = TOP
 
     def write(text: str, x: float = LEFT, *, down: float, size: float = 9, **look: Any) -> None:
-        nonlocal at
-        page.text(x, at, text, size=size, va="top", **{"color": style.ink, **look})
-        at -= down * LINE
+        nonlocal y
+        page.text(x, y, text, size=size, va="top", **{"color": style.ink, **look})
+        y -= down * LINE
 
     for line in textwrap.wrap(title or str(dataset.attrs.get("title", "")), 54):
         write(line, down=1.7, size=15, weight="bold")
-    at -= 0.3 * LINE
+    y -= 0.3 * LINE
     kind = f"{dataset.attrs.get('scene', '')}, {dataset.attrs.get('source', '')}"
     write(kind, down=2.0, color=style.quiet)
     parameters = [  # without settings of the computation, such as a tolerance
@@ -72,61 +72,62 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
         for name, array in dataset.coords.items()
         if name in QUANTITIES and name not in SETTINGS
     ]
-    top, ends = at, []
+    y_of_tables, y_of_ends = y, []
     for name, rows, left, right in (
         ("Drive and part", parameters, LEFT, 0.47),
         ("What comes out", _outputs(dataset, shown), 0.53, RIGHT),
     ):
-        at = top
+        y = y_of_tables
         write(name, left, down=1.3, weight="bold")
         if len(rows) > MAX_ROWS:
             rows = [*rows[: MAX_ROWS - 1], (f"{len(rows) - MAX_ROWS + 1} more in the file", "")]
         for label, text in rows:
             write(label, left, down=0)
             write(text, right, down=1, ha="right")
-        ends.append(at)
-    at = min(ends) - 0.5 * LINE
+        y_of_ends.append(y)
+    y = min(y_of_ends) - 0.5 * LINE
     for line in textwrap.wrap(_regimes(dataset), LETTERS):
         write(line, down=1)
-    assumed = textwrap.wrap(str(dataset.attrs.get("comment", "")), LETTERS + 12)
-    foot = BOTTOM + (len(assumed) + 3.5) * 0.8 * LINE
-    if (drawn := _picture(dataset, units)) is not None:
+    assumptions = textwrap.wrap(str(dataset.attrs.get("comment", "")), LETTERS + 12)
+    y_of_foot = BOTTOM + (len(assumptions) + 3.5) * 0.8 * LINE
+    if (figure := _picture(dataset, units)) is not None:
         picture = io.BytesIO()
-        drawn.savefig(picture, format="png", dpi=200)
+        figure.savefig(picture, format="png", dpi=200)
         picture.seek(0)
-        axes = page.add_axes((LEFT, foot, RIGHT - LEFT, at - foot - LINE))
+        axes = page.add_axes((LEFT, y_of_foot, RIGHT - LEFT, y - y_of_foot - LINE))
         axes.imshow(imread(picture), aspect="equal", interpolation="antialiased")
         axes.set_anchor("N")
         axes.axis("off")
-    at = foot - 0.5 * LINE
+    y = y_of_foot - 0.5 * LINE
     write("What this assumes", down=0, size=8, weight="bold")
-    for line in assumed:
-        at -= 0.8 * LINE
+    for line in assumptions:
+        y -= 0.8 * LINE
         write(line, down=0, size=7.5, color=style.quiet)
-    at -= 1.2 * LINE
+    y -= 1.2 * LINE
     digest = str(dataset.attrs.get("study_sha256", ""))
     write(f"Study {digest[:16]}; the file has all values.", down=0, size=7.5, color=style.quiet)
     return page
 
 
 def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
+    """Return name and range of each output, as texts."""
     table = Table.of_xarray(dataset)
-    over, rows = known_between(table.coordinates), list[tuple[str, str]]()
+    friction_range, rows = known_between(table.coordinates), list[tuple[str, str]]()
     for name, array in dataset.data_vars.items():
         if name not in QUANTITIES or name in FLAGS or name in OF_THE_SEARCH:
             continue
         ends = [dataset.get(f"{name}_{end}") for end in ENDS]
-        if over and ends[0] is not None and ends[1] is not None:
-            rows += [(long_name(array), _band(ends, units)), (f"   for {over}", "")]
+        if friction_range and ends[0] is not None and ends[1] is not None:
+            rows += [(long_name(array), _band(ends, units)), (f"   for {friction_range}", "")]
         elif array.dtype.kind == "f":
             rows.append((long_name(array), _values(array, units, table.valid(str(name)))))
     return rows
 
 
 def _band(ends: Sequence[Any], units: ShownUnits) -> str:
-    shown = shown_in(max(ends, key=lambda one: float(np.abs(one).max())), units)
-    least, most = shown.factor * float(ends[0].min()), shown.factor * float(ends[1].max())
-    text = " to ".join(rounded(end, most - least) for end in (least, most))
+    shown = shown_in(max(ends, key=lambda end: float(np.abs(end).max())), units)
+    least, largest = shown.factor * float(ends[0].min()), shown.factor * float(ends[1].max())
+    text = " to ".join(rounded(end, largest - least) for end in (least, largest))
     return f"{text} {shown.unit}".replace("-", "\N{MINUS SIGN}")
 
 
@@ -142,6 +143,7 @@ def _picture(dataset: xarray.Dataset, units: str | None) -> Figure | None:
 def _values(
     array: xarray.DataArray, units: ShownUnits, valid: NDArray[np.bool_] | None = None
 ) -> str:
+    """Return the range of the finite and valid values of an array, as text."""
     shown = shown_in(array, units)
     values = np.asarray(array.attrs.get(BAND, array.values), dtype=float) * shown.factor
     if valid is not None and values.size > 1:
@@ -157,14 +159,15 @@ def _values(
 
 
 def _regimes(dataset: xarray.Dataset) -> str:
+    """Return sentences on the regimes that occur, with their shares."""
     sentences = []
-    for name in (str(one) for one in dataset.data_vars if is_regime(str(one))):
-        of = long_name(dataset[name]).removeprefix("Regime")
+    for name in (str(regime) for regime in dataset.data_vars if is_regime(str(regime))):
+        noun = long_name(dataset[name]).removeprefix("Regime")
         shares = regime_shares(dataset[name].values)
         if len(shares) == 1:
-            (only,) = shares
-            sentences.append(f"Regime{of}: {words(only)}: {REGIMES[only].description}.")
+            (regime,) = shares
+            sentences.append(f"Regime{noun}: {words(regime)}: {REGIMES[regime].description}.")
         else:
-            parts = [f"{words(one)} {percent(share)}" for one, share in shares.items()]
-            sentences.append(f"Regimes{of}: {', '.join(parts)}.")
+            parts = [f"{words(regime)} {percent(share)}" for regime, share in shares.items()]
+            sentences.append(f"Regimes{noun}: {', '.join(parts)}.")
     return " ".join([*sentences, *sentences_on_bands(Table.of_xarray(dataset))])

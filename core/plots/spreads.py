@@ -92,12 +92,12 @@ class UncertainOutput(NamedTuple):
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True if a kind of picture is the one to draw by default: the first that has values."""
+    """True if the kind in `options` is the default: the first whose variables the dataset has."""
     if options.kind == "posterior":
         return True
-    parts = {str(name) for name in dataset.data_vars}
+    variables = {str(name) for name in dataset.data_vars}
     kinds = [
-        kind for kind, part in NEEDED.items() if any(name.endswith(f"_{part}") for name in parts)
+        kind for kind, end in NEEDED.items() if any(name.endswith(f"_{end}") for name in variables)
     ]
     if options.asks or options.kind not in kinds[:1]:
         return False
@@ -143,25 +143,29 @@ def _result(dataset: xarray.Dataset, options: Options) -> UncertainOutput:
         raise PlotError(
             "variable", f"'{output[:60]}' is not an output", suggestion(output, outputs)
         )
-    whole = f"{output}_{NEEDED[kind]}"
-    if whole not in dataset:
+    variable = f"{output}_{NEEDED[kind]}"
+    if variable not in dataset:
         raise PlotError(
             "dataset",
-            f"it holds no {words(whole)}",
+            f"it holds no {words(variable)}",
             f'Add "{ANALYSIS[kind]}" to the analyses of the study',
         )
-    own = (UNCERTAIN, QUANTILE, LEVEL)
-    loose = [str(d) for d in dataset.dims if d not in own]
-    positions = fixed_positions(dataset, options.at, loose, (), nearest=options.nearest)
-    facts = held_fixed(dataset.drop_vars([d for d in own if d in dataset.coords]), units, positions)
+    own_dimensions = (UNCERTAIN, QUANTILE, LEVEL)
+    dimensions = [str(dim) for dim in dataset.dims if dim not in own_dimensions]
+    positions = fixed_positions(dataset, options.at, dimensions, (), nearest=options.nearest)
+    facts = held_fixed(
+        dataset.drop_vars([dim for dim in own_dimensions if dim in dataset.coords]),
+        units,
+        positions,
+    )
     unit, design = QUANTITIES[output].unit, dataset.isel(positions)
-    sizes = [
-        np.abs(np.asarray(one.values, dtype=np.float64)).ravel()
-        for name, one in design.data_vars.items()
-        if str(name).startswith(f"{output}_") and one.attrs.get("units") == unit
+    magnitudes = [
+        np.abs(np.asarray(array.values, dtype=np.float64)).ravel()
+        for name, array in design.data_vars.items()
+        if str(name).startswith(f"{output}_") and array.attrs.get("units") == unit
     ]
-    known = np.concatenate([*sizes, [0.0]])
-    shown = units.of(unit, float(known[np.isfinite(known)].max()))
+    all_magnitudes = np.concatenate([*magnitudes, [0.0]])
+    shown = units.of(unit, float(all_magnitudes[np.isfinite(all_magnitudes)].max()))
     result = UncertainOutput(output, shown, design, facts, units)
     if not np.isfinite(result.shares(NEEDED[kind])).any():
         raise PlotError(
@@ -178,20 +182,20 @@ def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Dra
     values = result.values("distribution")
     low, high = float(values[0]), float(values[-1])
     edges = np.linspace(low, high if high > low else low + 1.0, BINS + 1)
-    below = np.ones(BINS + 1)
+    fraction_below = np.ones(BINS + 1)
     if high > low:
-        below = _share_below(values, levels, edges)
-    below[0], below[-1] = 0.0, 1.0
+        fraction_below = _share_below(values, levels, edges)
+    fraction_below[0], fraction_below[-1] = 0.0, 1.0
     pale = mix(style.ground, style.curve, 0.45)
     axes.bar(
-        edges[:-1], 100 * np.diff(below), np.diff(edges), align="edge", color=pale,
+        edges[:-1], 100 * np.diff(fraction_below), np.diff(edges), align="edge", color=pale,
         edgecolor=style.ground, linewidth=0.6,
     )  # fmt: skip
     entries: list[Artist] = [Patch(color=pale, label="Share of the parts")]
-    for share, value in zip(result.design[QUANTILE].values, result.values(QUANTILE), strict=True):
+    for level, value in zip(result.design[QUANTILE].values, result.values(QUANTILE), strict=True):
         axes.axvline(value, color=style.ink, linewidth=style.width(1.0), linestyle="--")
         axes.annotate(
-            _percent(share), (value, 1.0), (-2, -3), va="top", ha="right",
+            _percent(level), (value, 1.0), (-2, -3), va="top", ha="right",
             xycoords=("data", "axes fraction"), textcoords="offset points", color=style.ink,
             fontsize=style.text(8.5), rotation=90,
         )  # fmt: skip
@@ -205,15 +209,15 @@ def _draw_distribution(axes: Axes, result: UncertainOutput, style: Style) -> Dra
                 bound = float(demand.attrs[key]) * result.shown.factor
                 axes.axvline(bound, color=style.accent, linewidth=style.width(2.0))
                 bounds.append(f"{words(key)} {result.read(bound)}")
-        chance = percent_with_error(float(demand), float(result.design[f"{name}_error"]))
-        label = f"{' and '.join(bounds)}: {chance}"
+        probability = percent_with_error(float(demand), float(result.design[f"{name}_error"]))
+        label = f"{' and '.join(bounds)}: {probability}"
         entries.append(Line2D([], [], color=style.accent, linewidth=2.0, label=label))
     axes.set(xlabel=result.axis, ylabel="Share of the parts (%)")
     axes.margins(x=0.03)
     axes.set_ylim(top=axes.get_ylim()[1] * 1.2)  # room for the names of quantiles
     style.add_grid(axes)
-    left = float(result.design[f"{result.output}{LEFT_OUT}"])
-    note = f"{_percent(left)} of the points have no valid value" if left > 0 else ""
+    left_out = float(result.design[f"{result.output}{LEFT_OUT}"])
+    note = f"{_percent(left_out)} of the points have no valid value" if left_out > 0 else ""
     return f"Distribution of the {result.label}", entries, note
 
 
@@ -223,8 +227,8 @@ def _share_below(values: Array, levels: Array, edges: Array) -> Array:
     `levels` are the shares of its quantiles `values`. A smooth monotone curve goes through them:
     straight lines would make steps of the tails. Where many are equal it jumps.
     """
-    last = np.append(np.diff(values) > 0, True)
-    values, levels = values[last], levels[last]
+    is_last = np.append(np.diff(values) > 0, True)
+    values, levels = values[is_last], levels[is_last]
     if values.size < 4:
         return np.interp(edges, values, levels)
     return np.asarray(np.clip(PchipInterpolator(values, levels)(edges), 0.0, 1.0))
@@ -235,14 +239,14 @@ def _draw_indices(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     order = np.argsort(result.shares("total"))
     rows = np.arange(len(order), dtype=float)
     entries: list[Artist] = []
-    ways = ((HEIGHT / 2, "first", style.curve), (-HEIGHT / 2, "total", style.other))
-    for away, part, colour in ways:
+    bars = ((HEIGHT / 2, "first", style.curve), (-HEIGHT / 2, "total", style.other))
+    for offset, part, colour in bars:
         axes.barh(
-            rows + away, 100 * result.shares(part)[order], HEIGHT, color=colour,
+            rows + offset, 100 * result.shares(part)[order], HEIGHT, color=colour,
             xerr=100 * result.shares(f"{part}_error")[order], ecolor=style.ink, capsize=3,
         )  # fmt: skip
         entries.append(Patch(color=colour, label=f"{part.capitalize()} index"))
-    _set_rows(axes, [result.names[k] for k in order], style)
+    _set_rows(axes, [result.names[index] for index in order], style)
     axes.set(xlabel=f"Share of the variance of the {result.label} (%)")
     axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
     note = "Lines across the ends are 95 % intervals of the sampling"
@@ -256,34 +260,38 @@ def _draw_tornado(axes: Axes, result: UncertainOutput, style: Style) -> Drawing:
     """
     lower, upper = result.values("at_lower"), result.values("at_upper")
     middle = float(result.values("nominal"))
-    reach = np.nan_to_num(np.maximum(np.abs(lower - middle), np.abs(upper - middle)))
-    parts = (
+    largest_change = np.nan_to_num(np.maximum(np.abs(lower - middle), np.abs(upper - middle)))
+    candidates = (
         part for part in ("total", "variance_share") if f"{result.output}_{part}" in result.design
     )
-    decides = next(parts, None)
-    shares = result.shares(decides) if decides else reach
+    statistic = next(candidates, None)
+    shares = result.shares(statistic) if statistic else largest_change
     # In the order of what matters, as the sentence says it; of equal ones the widest on top.
-    order = np.lexsort((reach, np.nan_to_num(shares)))
-    names = [result.names[k] for k in order]
+    order = np.lexsort((largest_change, np.nan_to_num(shares)))
+    names = [result.names[index] for index in order]
     rows = np.arange(len(names), dtype=float)
-    known = json.loads(str(result.design.attrs["uncertain_parameters"]))
+    distributions = json.loads(str(result.design.attrs["uncertain_parameters"]))
     ends = (("lower", lower, upper, style.other), ("upper", upper, lower, style.curve))
     entries: list[Artist] = []
     for side, (end, values, others, colour) in enumerate(ends):
         axes.barh(rows, values[order] - middle, 2 * HEIGHT, left=middle, color=colour)
         entries.append(Patch(color=colour, label=f"At the {end} end"))
-        for row, k in enumerate(order):
-            if np.isfinite(values[k]):
-                right = values[k] > others[k] if np.isfinite(others[k]) else values[k] >= middle
-                quantity = QUANTITIES[names[row]]
-                range_ = tolerance(
-                    names[row], read_distribution(names[row], known[names[row]], quantity)
+        for row, index in enumerate(order):
+            if np.isfinite(values[index]):
+                is_right = (
+                    values[index] > others[index]
+                    if np.isfinite(others[index])
+                    else values[index] >= middle
                 )
-                shown = result.units.of(quantity.unit, max(map(abs, range_)))
+                quantity = QUANTITIES[names[row]]
+                limits = tolerance(
+                    names[row], read_distribution(names[row], distributions[names[row]], quantity)
+                )
+                shown = result.units.of(quantity.unit, max(map(abs, limits)))
                 axes.annotate(
-                    with_unit(number(shown.factor * range_[side], 4), shown.unit),
-                    (values[k], row), (3 if right else -3, 0),
-                    textcoords="offset points", ha="left" if right else "right", va="center",
+                    with_unit(number(shown.factor * limits[side], 4), shown.unit),
+                    (values[index], row), (3 if is_right else -3, 0),
+                    textcoords="offset points", ha="left" if is_right else "right", va="center",
                     fontsize=style.text(8.5), color=style.ink,
                 )  # fmt: skip
     axes.axvline(middle, color=style.ink, linewidth=style.width(1.2))
@@ -341,14 +349,14 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
     figure = style.sheet(*SIDE[count])
     panels = figure.subplots(count, count, squeeze=False, sharex="col")
     shown = {name: shown_in(dataset[name], units) for name in names}
-    for j, below in enumerate(names):
-        for k, across in enumerate(names):
-            panel = panels[j, k]
-            if k > j:
+    for row, below in enumerate(names):
+        for column, across in enumerate(names):
+            panel = panels[row, column]
+            if column > row:
                 panel.set_visible(False)
                 continue
             x = scaled(dataset[across], shown[across].factor)
-            if j == k:
+            if row == column:
                 _draw_marginal(panel, dataset, across, x, shown[across].factor, style)
             else:
                 y = scaled(dataset[below], shown[below].factor)
@@ -359,7 +367,7 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
                 )
                 look = {"color": style.ink, "ms": style.width(9), "mew": style.width(1.4)}
                 panel.plot(*modes, "+", zorder=4, **look)
-                if k == 0:
+                if column == 0:
                     panel.set_ylabel(axis_label(dataset[below], shown[below].unit))
                 else:
                     panel.tick_params(labelleft=False)
@@ -367,7 +375,7 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
             panel.xaxis.set_major_locator(MaxNLocator(5))
             if count == 1:
                 panel.set_ylabel("Density")
-            if j == count - 1:
+            if row == count - 1:
                 panel.set_xlabel(axis_label(dataset[across], shown[across].unit))
     entries: list[Artist] = [
         Patch(color=mix(style.ground, style.curve, depth), label=f"{100 * share:.0f} %")
@@ -384,6 +392,7 @@ def _draw_posterior(dataset: xarray.Dataset, options: Options) -> Figure:
 def _draw_marginal(
     panel: Axes, dataset: xarray.Dataset, name: str, x: Array, factor: float, style: Style
 ) -> None:
+    """Draw the density of an unknown, its intervals of 95 and 68 %, and its modes."""
     density = np.asarray(dataset[f"density_{name}"].values, dtype=np.float64)
     panel.plot(x, density, color=style.curve, lw=style.width(1.8))
     for share, depth in zip((95, 68), (PALE, DEEP), strict=True):
@@ -401,8 +410,11 @@ def _draw_marginal(
 def _draw_pair(panel: Axes, x: Array, y: Array, density: Array, style: Style) -> None:
     """Fill the regions of highest density, shape (y, x), that hold 95 and 68 % of it."""
     ordered = np.sort(density.ravel())[::-1]
-    below = np.cumsum(ordered) / ordered.sum()
-    levels = [float(ordered[min(np.searchsorted(below, s), below.size - 1)]) for s in SHARES]
+    mass_above = np.cumsum(ordered) / ordered.sum()
+    levels = [
+        float(ordered[min(np.searchsorted(mass_above, share), mass_above.size - 1)])
+        for share in SHARES
+    ]
     edges = np.array([*levels, float(ordered[0]) * 1.001])
     if np.all(np.diff(edges) > 0):
         colours = [mix(style.ground, style.curve, depth) for depth in (PALE, DEEP)]

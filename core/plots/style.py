@@ -110,7 +110,7 @@ class Style:
             return [to_rgb(self.curve)]
         ends = (0.32, 1.0) if self.dark else (0.0, 0.78)
         shades = matplotlib.colormaps["viridis"](linspace(*ends, count))
-        return [(float(r), float(g), float(b)) for r, g, b, _ in shades]
+        return [(float(red), float(green), float(blue)) for red, green, blue, _ in shades]
 
     def dress(self, figure: Figure) -> None:
         """Apply the style's colours and text sizes to all axes and legends of a figure."""
@@ -138,7 +138,8 @@ class Style:
 def mix(colour: str | RGB, other: str | RGB, share: float) -> RGB:
     """Return a mixture of two colours as red, green and blue, 0 to 1; `share` is of the second."""
     red, green, blue = (
-        (1 - share) * a + share * b for a, b in zip(to_rgb(colour), to_rgb(other), strict=True)
+        (1 - share) * first + share * second
+        for first, second in zip(to_rgb(colour), to_rgb(other), strict=True)
     )
     return red, green, blue
 
@@ -177,7 +178,7 @@ def words(name: str) -> str:
 
 def name_in_words(name: str) -> str:
     """Return an identifier as words, with its numbers as subscripts."""
-    return re.sub(r" (\d+)\b", lambda found: found[1].translate(LOWERED), words(name))
+    return re.sub(r" (\d+)\b", lambda match: match[1].translate(LOWERED), words(name))
 
 
 def shown_in(array: xarray.DataArray, units: ShownUnits) -> Shown:
@@ -198,7 +199,7 @@ def with_unit(text: str, unit: str) -> str:
 
 
 def math_symbol(symbol: str) -> str:
-    r"""Return a symbol such as `mu_s` in matplotlib's notation; empty for an expression."""
+    r"""Return a symbol, such as `mu_inf`, as `$\mu_{\infty}$`; empty for an expression."""
     match = re.fullmatch("(" + "|".join(GREEK) + r"|[A-Za-z])_?(\d|[a-z]+)?", symbol)
     if not match:
         return ""
@@ -228,14 +229,14 @@ def demand_in_words(array: xarray.DataArray, units: ShownUnits) -> str:
     if not name.startswith("probability_") or "output" not in attributes:
         return ""
     output = QUANTITIES[str(attributes["output"])]
-    ends = {key: float(attributes[key]) for key in ("at_least", "at_most") if key in attributes}
-    shown = units.of(output.unit, max(map(abs, ends.values()), default=0.0))
-    bounds = " and ".join(
-        f"{words(key)} {with_unit(number(shown.factor * end, 4), shown.unit)}"
-        for key, end in ends.items()
+    bounds = {key: float(attributes[key]) for key in ("at_least", "at_most") if key in attributes}
+    shown = units.of(output.unit, max(map(abs, bounds.values()), default=0.0))
+    demands = " and ".join(
+        f"{words(key)} {with_unit(number(shown.factor * bound, 4), shown.unit)}"
+        for key, bound in bounds.items()
     )
-    what = "Error of the probability" if name.endswith("_error") else "Probability"
-    return f"{what} of {in_sentence(output.label)} {bounds}".rstrip()
+    noun = "Error of the probability" if name.endswith("_error") else "Probability"
+    return f"{noun} of {in_sentence(output.label)} {demands}".rstrip()
 
 
 def in_brackets(unit: str) -> str:

@@ -70,16 +70,20 @@ STILL = 1e-3  # of the part's size, and of a turn
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
     """True if a dataset is one simulated part, or a motion over a cycle."""
-    return not options.asks and (TIME in dataset.dims or followed(dataset) is not None)
+    return not options.asks and (TIME in dataset.dims or study_of_motion(dataset) is not None)
 
 
-def followed(dataset: xarray.Dataset) -> Prepared | None:
+def study_of_motion(dataset: xarray.Dataset) -> Prepared | None:
     """Return the study of a dataset's single cell, prepared to be followed over a cycle, or None.
 
     None if there are several cells, no study of a motion, or a method that gives no trajectory.
     """
     text = str(dataset.attrs.get("study", ""))
-    if "motion_status" not in dataset or any(one.size > 1 for one in dataset.values()) or not text:
+    if (
+        "motion_status" not in dataset
+        or any(values.size > 1 for values in dataset.values())
+        or not text
+    ):
         return None
     try:
         study = parse_json(text)
@@ -97,8 +101,12 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """
     check_result(dataset)
     style = options.style
-    if TIME not in dataset.dims and options.is_natural and (one := followed(dataset)) is not None:
-        dataset = tabulate(one).to_xarray()
+    if (
+        TIME not in dataset.dims
+        and options.is_natural
+        and (study := study_of_motion(dataset)) is not None
+    ):
+        dataset = tabulate(study).to_xarray()
     figure = style.sheet()
     check_trajectory(dataset)
     if "path_gap" in dataset:
@@ -163,10 +171,10 @@ def check_trajectory(dataset: xarray.Dataset) -> None:
 
 def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     """Return the motion of a dataset's part over time, in the units in which it is drawn."""
-    known = {**dataset.data_vars, **dataset.coords}
-    shape, _ = shape_of(map(str, known))
+    variables = {**dataset.data_vars, **dataset.coords}
+    shape, _ = shape_of(map(str, variables))
     needed = (*NEEDED, "frequency", *(("gravity", *shape.inputs) if shape else ()))
-    missing = [name for name in needed if name not in known]
+    missing = [name for name in needed if name not in variables]
     if missing:
         raise unreadable(f"its motion has no {missing[0]}")
     dataset = dataset.sortby(TIME)
@@ -175,20 +183,23 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     period = 1.0 / float(dataset["frequency"])
     track = values_of(dataset["track_normal"])
     part, orbit = track + values_of(dataset["height_above_floor"]), None
-    if "burst_periods" in known:  # from rest to rest
-        swing = np.gradient(values_of(dataset["track_along"]), seconds)
+    if "burst_periods" in variables:  # from rest to rest
+        track_velocity = np.gradient(values_of(dataset["track_along"]), seconds)
     elif shape is None:
-        swing = _swing(seconds, period, values_of(dataset["track_along"]))
+        track_velocity = _velocity_of_sine(seconds, period, values_of(dataset["track_along"]))
     else:
-        given = {name: values_of(dataset[name]) for name in shape.inputs}
+        parameters = {name: values_of(dataset[name]) for name in shape.inputs}
         wave = shape.wave(
-            **{n: np.deg2rad(v) if QUANTITIES[n].is_angle else v for n, v in given.items()}
+            **{
+                name: np.deg2rad(value) if QUANTITIES[name].is_angle else value
+                for name, value in parameters.items()
+            }
         )
-        scale = float(dataset["gravity"]) * period / TURN
-        swing = scale * speed(wave, ALONG, TURN * seconds / period)
+        velocity_scale = float(dataset["gravity"]) * period / TURN
+        track_velocity = velocity_scale * speed(wave, ALONG, TURN * seconds / period)
         orbit = _orbit(wave)
-    seen = part if part.any() else values_of(dataset["track_along"])  # a level drive
-    height = shown_in(xarray.DataArray(seen, attrs={"units": "m"}), units)
+    shown_heights = part if part.any() else values_of(dataset["track_along"])  # a level drive
+    height = shown_in(xarray.DataArray(shown_heights, attrs={"units": "m"}), units)
     if not np.isfinite(part).any():
         raise no_motion(", because the simulation found no cycle")
     horizontal = shown_in(dataset["position_along"], units)
@@ -196,9 +207,9 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     # A smaller position is rounding.
     if np.nanmax(np.abs(position)) <= 1e-9 * horizontal.factor * np.nanmax(np.abs(part)):
         position, horizontal = np.zeros_like(position), height
-    moved = swing + values_of(dataset["relative_velocity_along"])
-    fastest = xarray.DataArray([swing, moved], attrs={"units": "m s-1"})
-    velocity = shown_in(fastest, units)
+    part_velocity = track_velocity + values_of(dataset["relative_velocity_along"])
+    velocities = xarray.DataArray([track_velocity, part_velocity], attrs={"units": "m s-1"})
+    velocity = shown_in(velocities, units)
     gap = shown_in(dataset[WALL], units) if WALL in dataset else None
     return Trajectory(
         time=MILLI * seconds,
@@ -206,8 +217,8 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
         track=height.factor * track,
         part=height.factor * part,
         height_unit=height.unit,
-        track_velocity=velocity.factor * swing,
-        part_velocity=velocity.factor * moved,
+        track_velocity=velocity.factor * track_velocity,
+        part_velocity=velocity.factor * part_velocity,
         velocity_unit=velocity.unit,
         position=position,
         position_unit=horizontal.unit,
@@ -222,59 +233,64 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     )
 
 
-def _draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Axes, list[Artist]]:
-    walled = shown.wall is not None
-    ratios = (*PANELS, 1.6) if walled else PANELS
-    if walled:
+def _draw_trajectory(
+    figure: Figure, trajectory: Trajectory, style: Style
+) -> tuple[Axes, list[Artist]]:
+    """Draw heights, velocities, position and, beside a wall, the gap, over time."""
+    has_wall = trajectory.wall is not None
+    ratios = (*PANELS, 1.6) if has_wall else PANELS
+    if has_wall:
         figure.set_figheight(figure.get_figheight() + style.text(0.8))
     panels = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
     heights, velocities, positions = panels[:3]
     for axes in panels:
-        _shade_modes(axes, shown, style)
+        _shade_modes(axes, trajectory, style)
         axes.grid(visible=True, axis="y", color=style.grid, linewidth=0.6)
         axes.set_axisbelow(True)
-    part = {"color": style.curve, "linewidth": style.width(2.0), "zorder": 4}
-    track = {"color": style.other, "linewidth": style.width(1.4), "zorder": 3}
-    body = mix(style.other, style.ground, 0.5)
-    under = "\n" if style.small else " "  # between label and unit
+    part_look = {"color": style.curve, "linewidth": style.width(2.0), "zorder": 4}
+    track_look = {"color": style.other, "linewidth": style.width(1.4), "zorder": 3}
+    ground = mix(style.other, style.ground, 0.5)
+    separator = "\n" if style.small else " "  # between label and unit
 
-    ends = _limits(shown.track, shown.part)
-    heights.fill_between(shown.time, shown.track, ends[0], facecolor=body, linewidth=0, zorder=2)
-    heights.plot(shown.time, shown.track, **{**track, "linewidth": style.width(1.0)})
-    heights.plot(shown.time, shown.part, **part)
-    heights.set_ylim(*ends)
-    if shown.orbit is not None:
-        heights.set_ylim(ends[0], ends[1] + 0.7 * (ends[1] - ends[0]))
-        _draw_orbit(heights, shown.orbit, style)
-    heights.set_ylabel(f"Height{under}({shown.height_unit})")
+    limits = _limits(trajectory.track, trajectory.part)
+    heights.fill_between(
+        trajectory.time, trajectory.track, limits[0], facecolor=ground, linewidth=0, zorder=2
+    )
+    heights.plot(trajectory.time, trajectory.track, **{**track_look, "linewidth": style.width(1.0)})
+    heights.plot(trajectory.time, trajectory.part, **part_look)
+    heights.set_ylim(*limits)
+    if trajectory.orbit is not None:
+        heights.set_ylim(limits[0], limits[1] + 0.7 * (limits[1] - limits[0]))
+        _draw_orbit(heights, trajectory.orbit, style)
+    heights.set_ylabel(f"Height{separator}({trajectory.height_unit})")
 
     velocities.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
-    velocities.plot(shown.time, shown.track_velocity, **track)
-    velocities.plot(shown.time, shown.part_velocity, **part)
-    velocities.set_ylim(*_limits(shown.track_velocity, shown.part_velocity))
+    velocities.plot(trajectory.time, trajectory.track_velocity, **track_look)
+    velocities.plot(trajectory.time, trajectory.part_velocity, **part_look)
+    velocities.set_ylim(*_limits(trajectory.track_velocity, trajectory.part_velocity))
     along = "" if style.small else " along\nthe track"
-    velocities.set_ylabel(f"Velocity{along}{under}({shown.velocity_unit})")
+    velocities.set_ylabel(f"Velocity{along}{separator}({trajectory.velocity_unit})")
 
-    positions.plot(shown.time, shown.position, **part)
-    positions.set_ylim(*(_limits(shown.position) if shown.position.any() else ends))
+    positions.plot(trajectory.time, trajectory.position, **part_look)
+    positions.set_ylim(*(_limits(trajectory.position) if trajectory.position.any() else limits))
     on = "" if style.small else " on\nthe track"
-    positions.set_ylabel(f"Position{on}{under}({shown.position_unit})")
-    if shown.wall is not None:
-        low, high = _limits(np.append(shown.wall, 0.0))
-        panels[3].axhspan(low, 0.0, facecolor=body, linewidth=0, zorder=2)
+    positions.set_ylabel(f"Position{on}{separator}({trajectory.position_unit})")
+    if trajectory.wall is not None:
+        low, high = _limits(np.append(trajectory.wall, 0.0))
+        panels[3].axhspan(low, 0.0, facecolor=ground, linewidth=0, zorder=2)
         panels[3].axhline(0.0, color=style.other, linewidth=style.width(1.0), zorder=3)
-        panels[3].plot(shown.time, shown.wall, **part)
+        panels[3].plot(trajectory.time, trajectory.wall, **part_look)
         panels[3].set_ylim(low, high)
         to = "to wall" if style.small else "to\nthe wall"
-        panels[3].set_ylabel(f"Gap {to}{under}({shown.wall_unit})")
+        panels[3].set_ylabel(f"Gap {to}{separator}({trajectory.wall_unit})")
     panels[-1].set_xlabel("Time since the start of the cycle (ms)")
-    positions.set_xlim(shown.time[0], shown.time[-1])
+    positions.set_xlim(trajectory.time[0], trajectory.time[-1])
     figure.align_ylabels(panels)
     lines = [
         Line2D([], [], color=style.curve, linewidth=style.width(2.0), label="part"),
         Line2D([], [], color=style.other, linewidth=style.width(1.4), label="track"),
     ]
-    return heights, [*lines, *_mode_entries(shown.modes, style)]
+    return heights, [*lines, *_mode_entries(trajectory.modes, style)]
 
 
 def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
@@ -282,14 +298,14 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
     mean = dataset.get("conveying_velocity")
     if mean is not None and not mean.ndim and np.isfinite(mean):
         shown = units.of("m s-1", abs(float(mean)))
-        told = number(shown.factor * float(mean), 4)
-        over = known_between(Table.of_xarray(dataset).coordinates)
-        if over:
-            ends = [dataset[f"{mean.name}_{end}"] for end in ENDS]
-            three = [shown.factor * float(one) for one in (mean, *ends)]
-            told, *band = (rounded(one, three[2] - three[1]) for one in three)
-            over = f", {' to '.join(band)} for {over}"
-        fact = f"mean velocity {with_unit(told, shown.unit)}{over}"
+        text = number(shown.factor * float(mean), 4)
+        friction_range = known_between(Table.of_xarray(dataset).coordinates)
+        if friction_range:
+            low, high = (shown.factor * float(dataset[f"{mean.name}_{end}"]) for end in ENDS)
+            values = (shown.factor * float(mean), low, high)
+            text, *band = (rounded(value, high - low) for value in values)
+            friction_range = f", {' to '.join(band)} for {friction_range}"
+        fact = f"mean velocity {with_unit(text, shown.unit)}{friction_range}"
         facts.append(fact.replace("-", "\N{MINUS SIGN}"))
     if not dataset["regime"].ndim:
         facts.append("regime " + words(_flag(dataset["regime"], int(dataset["regime"]))))
@@ -307,8 +323,8 @@ def _limits(*curves: Array) -> tuple[float, float]:
     return padded(float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
 
 
-def _swing(seconds: Array, period: float, track: Array) -> Array:
-    # Along itself [m/s]; the amplitude is fitted to the displacement, a multiple of a sine.
+def _velocity_of_sine(seconds: Array, period: float, track: Array) -> Array:
+    # Of the track [m/s]; its displacement is a multiple of a sine, whose amplitude is fitted.
     rate = 2 * np.pi / period
     sine = np.sin(rate * seconds)
     weight = float(sine @ sine)
@@ -326,6 +342,7 @@ def _orbit(wave: Wave) -> Array | None:
 
 
 def _draw_orbit(axes: Axes, orbit: Array, style: Style) -> None:
+    """Draw the path of the track in an inset, with an arrow for its sense."""
     inset = axes.inset_axes((0.80, 0.60, 0.19, 0.30), facecolor=style.ground, zorder=5)
     inset.plot(*orbit, color=style.other, linewidth=style.width(1.4))
     inset.plot(*orbit[:, :1], color=style.other, marker="o", markersize=style.width(3.5))
@@ -346,7 +363,7 @@ def _flag(array: xarray.DataArray, value: int) -> str:
         raise unreadable(f"its {array.name} {value} has no name") from None
 
 
-def spells(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:
+def mode_intervals(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:
     """Return mode, start and stop of each interval of equal mode, half-way between two times."""
     edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
     starts = [0, *(i for i in range(1, len(modes)) if modes[i] != modes[i - 1]), len(modes)]
@@ -359,7 +376,8 @@ def _look(mode: str, style: Style) -> tuple[str, RGB]:
 
 
 def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
-    for mode, start, stop in spells(shown.modes, shown.time):
+    """Shade the times of each mode of contact, and mark the periods of the drive."""
+    for mode, start, stop in mode_intervals(shown.modes, shown.time):
         hatch, colour = _look(mode, style)
         area = axes.axvspan(start, stop, facecolor=colour, linewidth=0, zorder=0)
         if hatch:
@@ -374,7 +392,7 @@ def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
 
 def _mode_entries(modes: list[str], style: Style) -> list[Artist]:
     entries: list[Artist] = []
-    for name in dict.fromkeys((*MODES, "flight", *modes)):
+    for name in dict.fromkeys((*MODES, "flight", *modes)):  # known modes first, each once
         if name in modes:
             hatch, colour = _look(name, style)
             patch = Patch(
@@ -392,9 +410,9 @@ def _draw_fall(
 
     Return the upper axes, the lines below the title, and the entries of the legend.
     """
-    known = {**dataset.data_vars, **dataset.coords}
-    heights = [name for name in HEIGHTS if name in known]
-    missing = [*(name for name in FALL if name not in known), *(() if heights else HEIGHTS)]
+    variables = {**dataset.data_vars, **dataset.coords}
+    heights = [name for name in HEIGHTS if name in variables]
+    missing = [*(name for name in FALL if name not in variables), *(() if heights else HEIGHTS)]
     if missing:
         raise unreadable(f"its motion has no {missing[0]}")
     dataset = dataset.sortby(TIME)
@@ -412,16 +430,16 @@ def _draw_fall(
     )
     length = shown_in(xarray.DataArray(outlines, attrs={"units": "m"}), units)
     clock, angle = shown_in(dataset[TIME], units), shown_in(dataset["path_pitch"], units)
-    part = slice(0, _end_of_fall(outlines, pitch, float(np.hypot(*corners[0]))))
-    time, gap = (clock.factor * dataset[TIME].values)[part], length.factor * gap[part]
-    pitch = angle.factor * pitch[part]
-    touches = (dataset["path_corners"].values[part] > 0).tolist()
+    until_rest = slice(0, _end_of_fall(outlines, pitch, float(np.hypot(*corners[0]))))
+    time, gap = (clock.factor * dataset[TIME].values)[until_rest], length.factor * gap[until_rest]
+    pitch = angle.factor * pitch[until_rest]
+    touches = (dataset["path_corners"].values[until_rest] > 0).tolist()
 
     side, gaps, pitches = figure.subplots(3, 1, height_ratios=(2.6, 1.2, 1.2))
     gaps.sharex(pitches)
     gaps.tick_params(labelbottom=False)
-    path = length.factor * np.stack([along, upward])[:, part]
-    _draw_side(side, length.factor * outlines[part], path, length.unit, style)
+    path = length.factor * np.stack([along, upward])[:, until_rest]
+    _draw_side(side, length.factor * outlines[until_rest], path, length.unit, style)
     curve = {"color": style.curve, "linewidth": style.width(1.8), "zorder": 4}
     gaps.plot(time, gap, **curve)
     gaps.set(ylim=padded(0.0, float(gap.max())), ylabel=f"Lowest corner\n({length.unit})")
@@ -456,22 +474,22 @@ def _draw_fall(
 
 def _draw_side(axes: Axes, outlines: Array, path: Array, unit: str, style: Style) -> None:
     # Outlines, shape (times, 4, 2), equally far apart, and the path of the middle, (2, times).
-    moved = np.abs(np.diff(outlines, axis=0)).sum(axis=(1, 2))
-    passed = np.concatenate([[0.0], np.cumsum(moved)])
-    chosen = np.unique(np.searchsorted(passed, np.linspace(0.0, passed[-1], 14)))
-    shades = np.linspace(0.75, 0.15, len(chosen))
+    steps = np.abs(np.diff(outlines, axis=0)).sum(axis=(1, 2))
+    path_length = np.concatenate([[0.0], np.cumsum(steps)])
+    indices = np.unique(np.searchsorted(path_length, np.linspace(0.0, path_length[-1], 14)))
+    shades = np.linspace(0.75, 0.15, len(indices))
     axes.add_collection(
         LineCollection(
-            [np.vstack([outlines[k], outlines[k, :1]]) for k in chosen],
+            [np.vstack([outlines[index], outlines[index, :1]]) for index in indices],
             colors=[mix(style.curve, style.ground, float(shade)) for shade in shades],
             linewidths=style.width(0.9), zorder=3,
         )
     )  # fmt: skip
-    for place, weight, face in ((0, 1.2, 0.9), (-1, 2.0, 0.55)):
+    for index_of_end, weight, paleness in ((0, 1.2, 0.9), (-1, 2.0, 0.55)):
         axes.add_patch(
             Polygon(
-                outlines[place], closed=True, edgecolor=style.curve,
-                facecolor=mix(style.curve, style.ground, face), linewidth=style.width(weight),
+                outlines[index_of_end], closed=True, edgecolor=style.curve,
+                facecolor=mix(style.curve, style.ground, paleness), linewidth=style.width(weight),
                 zorder=4,
             )
         )  # fmt: skip
@@ -496,11 +514,13 @@ def _end_of_fall(outlines: Array, pitch: Array, size: float) -> int:
 
 def _facts_of_fall(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
     facts = []
-    side, settled = dataset.get("resting_side"), dataset.get("settling_time")
+    side, settling_time = dataset.get("resting_side"), dataset.get("settling_time")
     if side is not None and not side.ndim and np.isfinite(side):
         facts.append(f"rests on {QUANTITIES['resting_side'].words.get(int(side), 'a side')}")
-    if settled is not None and not settled.ndim and np.isfinite(settled):
-        shown = units.of("s", float(settled))
-        facts.append(f"after {with_unit(number(shown.factor * float(settled), 3), shown.unit)}")
-    told = [" ".join(facts).replace(" ", SPACE)] if facts else []
-    return told + held_fixed(dataset, units)
+    if settling_time is not None and not settling_time.ndim and np.isfinite(settling_time):
+        shown = units.of("s", float(settling_time))
+        facts.append(
+            f"after {with_unit(number(shown.factor * float(settling_time), 3), shown.unit)}"
+        )
+    sentence = [" ".join(facts).replace(" ", SPACE)] if facts else []
+    return sentence + held_fixed(dataset, units)

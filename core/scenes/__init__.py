@@ -69,8 +69,8 @@ BESIDE = frozenset(("beta", "measured_voltage", "measured_amplitude", "force_exp
 
 def instead_of(name: str) -> tuple[str, ...]:
     """Return the quantities that a parameter can be given for; none for most parameters."""
-    given_for = (alias.gives for alias in ALIASES if name in alias.inputs)
-    return () if name in BESIDE else tuple(given_for)
+    replaced = (alias.gives for alias in ALIASES if name in alias.inputs)
+    return () if name in BESIDE else tuple(replaced)
 
 
 ALTERNATIVES = (

@@ -19,7 +19,7 @@ def natural_frequency(
     The higher root of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0, with the stiffness k of
     the leaves and k_f of the feet, m1 of the loaded trough, m2 of the base.
     """
-    upper, _ = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
+    upper, _ = _squared_roots(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
     return np.sqrt(upper) / (2 * np.pi)
 
 
@@ -30,19 +30,20 @@ def foot_frequency(
 
     The lower root, as of `natural_frequency`.
     """
-    _, lower = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
+    _, lower = _squared_roots(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
     return np.sqrt(lower) / (2 * np.pi)
 
 
-def _squares(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
-    # The roots w^2, the lower from the product of both, without cancellation.
-    half = (k * (m1 + m2) + k_f * m1) / 2
+def _squared_roots(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
+    # The roots w^2 of `natural_frequency`, the lower from the product of both, without
+    # cancellation.
+    half_sum = (k * (m1 + m2) + k_f * m1) / 2
     product = (m1 * m2) * (k * k_f)
-    # half^2 - product = (k (m1 + m2) - k_f m1)^2/4 + k k_f m1^2: never below 0.
-    apart = (k * (m1 + m2) - k_f * m1) / 2
-    root = hypot(apart, m1 * np.sqrt(k * k_f))
-    upper = (half + root) / (m1 * m2)
-    return upper, product / ((half + root) * (m1 * m2))
+    # half_sum^2 - product = (k (m1 + m2) - k_f m1)^2/4 + k k_f m1^2: never below 0.
+    half_difference = (k * (m1 + m2) - k_f * m1) / 2
+    root = hypot(half_difference, m1 * np.sqrt(k * k_f))
+    upper = (half_sum + root) / (m1 * m2)
+    return upper, product / ((half_sum + root) * (m1 * m2))
 
 
 def stroke_response(
@@ -65,15 +66,16 @@ def stroke_response(
     z_real, z_imag = spring_stiffness, w * damping
     d_real = z_real * q_real - z_imag * q_imag - (a_real * p_real - a_imag * p_imag)
     d_imag = z_real * q_imag + z_imag * q_real - (a_real * p_imag + a_imag * p_real)
-    size = hypot(d_real, d_imag)
-    share = drive_force / size
+    d = hypot(d_real, d_imag)
+    force_over_d = drive_force / d
     a, p, q = hypot(a_real, a_imag), hypot(p_real, p_imag), hypot(q_real, q_imag)
-    lost = damping * q * (q / size) + load_damping * p * (p / size) + foot_damping * a * (a / size)
+    # (c |Q|^2 + c_l |P|^2 + c_f |a|^2)/|D|
+    dissipation = damping * q * (q / d) + load_damping * p * (p / d) + foot_damping * a * (a / d)
     return (
-        share * (q_real * (d_real / size) + q_imag * (d_imag / size)),
-        -share * w * lost,
-        share * p,
-        share * a,
+        force_over_d * (q_real * (d_real / d) + q_imag * (d_imag / d)),
+        -force_over_d * w * dissipation,
+        force_over_d * p,
+        force_over_d * a,
     )
 
 
@@ -82,11 +84,11 @@ def measured_response(
     foot_damping: Array, moving_mass: Array, base_mass: Array,
 ) -> Array:  # fmt: skip
     """Return the amplitude of the empty track by a force of 1 N, X1/F [m N-1]."""
-    none = 0.0 * measured_frequency
+    zero = 0.0 * measured_frequency
     return stroke_response(
-        drive_force=1.0 + none, circular_frequency=2 * np.pi * measured_frequency,
+        drive_force=1.0 + zero, circular_frequency=2 * np.pi * measured_frequency,
         spring_stiffness=spring_stiffness, damping=damping, foot_stiffness=foot_stiffness,
-        foot_damping=foot_damping, loaded_mass=moving_mass, load_damping=none,
+        foot_damping=foot_damping, loaded_mass=moving_mass, load_damping=zero,
         base_mass=base_mass,
     )[2]  # fmt: skip
 
@@ -102,15 +104,15 @@ def track_harmonic(
     """
     springs = (spring_stiffness, damping, foot_stiffness, foot_damping)
     masses = (loaded_mass, load_damping, base_mass)
-    first = _trough(circular_frequency, *springs, *masses)
-    second = _trough(2.0 * circular_frequency, *springs, *masses)
+    first = _track_per_force(circular_frequency, *springs, *masses)
+    second = _track_per_force(2.0 * circular_frequency, *springs, *masses)
     return drive_unit.second_over_first(force_harmonic, first, second)
 
 
-def _trough(
+def _track_per_force(
     w: Array, k: Array, c: Array, k_f: Array, c_f: Array, m1: Array, c_l: Array, m2: Array
 ) -> tuple[Array, Array]:
-    # Real and imaginary part of X1/F, in X1 e^(iwt) for the force F cos(wt).
+    # Real and imaginary part of X1/F = P/D of `stroke_response`.
     a_real, a_imag = m1 * w * w, -w * c_l
     p_real, p_imag = k_f - m2 * w * w, w * c_f
     q_real, q_imag = p_real - a_real, p_imag - a_imag
@@ -176,8 +178,8 @@ def turning_response(
     w = circular_frequency
     real, imag = spring_stiffness - turning_mass * w * w, w * damping
     size = hypot(real, imag)
-    share = drive_force / size
-    return share * (real / size), -share * (imag / size)
+    amplitude = drive_force / size
+    return amplitude * (real / size), -amplitude * (imag / size)
 
 
 def turning_harmonic(
@@ -189,14 +191,14 @@ def turning_harmonic(
     As of `drive_unit.second_over_first`. Both harmonics move a spot of the trough along one line:
     on a free base the turn goes with the stroke.
     """
-    at = [
+    first_and_second = [
         turning_response(
             drive_force=1.0 + 0.0 * circular_frequency, circular_frequency=w,
             spring_stiffness=spring_stiffness, damping=damping, turning_mass=turning_mass,
         )
         for w in (circular_frequency, 2.0 * circular_frequency)
     ]  # fmt: skip
-    return drive_unit.second_over_first(force_harmonic, *at)
+    return drive_unit.second_over_first(force_harmonic, *first_and_second)
 
 
 def trough_turn(
@@ -225,9 +227,9 @@ def turning_track(
     phi; k is the unit vector to the left, d leads from the base's mass centre to the trough's, b
     from there to the spot (theory 15.2).
     """
-    share, phi = base_mass / (loaded_mass + base_mass), trough_turn
-    along = share * (stroke * cosine(spring_angle) - phi * offset_upward) - phi * spot_upward
-    upward = share * (stroke * sine(spring_angle) + phi * offset_along) + phi * spot_along
+    trough_part, phi = base_mass / (loaded_mass + base_mass), trough_turn  # m2/M
+    along = trough_part * (stroke * cosine(spring_angle) - phi * offset_upward) - phi * spot_upward
+    upward = trough_part * (stroke * sine(spring_angle) + phi * offset_along) + phi * spot_along
     return along, upward
 
 
@@ -253,17 +255,17 @@ def turning_measured(
         circular_frequency=2 * np.pi * measured_frequency, spring_stiffness=spring_stiffness,
         damping=damping, turning_mass=generalised_mass,
     )  # fmt: skip
-    stroke, places = hypot(*response), {
+    stroke, unit = hypot(*response), {
         "loaded_mass": moving_mass, "base_mass": base_mass, "offset_along": offset_along,
         "offset_upward": offset_upward, "spring_angle": spring_angle,
     }  # fmt: skip
     turn = trough_turn(
-        stroke=stroke, moving_inertia=moving_inertia, base_inertia=base_inertia, **places
+        stroke=stroke, moving_inertia=moving_inertia, base_inertia=base_inertia, **unit
     )
     return turning_amplitude(
         track_motion=turning_track(
             stroke=stroke, trough_turn=turn, spot_along=spot_along, spot_upward=spot_upward,
-            **places,
+            **unit,
         )
     )  # fmt: skip
 

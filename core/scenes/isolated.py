@@ -164,8 +164,8 @@ def rectangle_printed_gap_tangential_acceleration(
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic
-    pushed = (sigma_mu + 3.0 * s * (c - sigma_mu * s)) * floor_acceleration
-    sliding = pushed + free_tangential_acceleration
+    by_contact = (sigma_mu + 3.0 * s * (c - sigma_mu * s)) * floor_acceleration
+    sliding = by_contact + free_tangential_acceleration
     return corner.by_case(
         contact_case, slip_direction, free_tangential_acceleration, np.zeros(()), sliding
     )
@@ -234,8 +234,8 @@ def cylinder_printed_gap_tangential_acceleration(
     """
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic
-    pushed = (sigma_mu + inertia_ratio * c * (s - sigma_mu * c)) * floor_acceleration
-    sliding = pushed + free_tangential_acceleration
+    by_contact = (sigma_mu + inertia_ratio * c * (s - sigma_mu * c)) * floor_acceleration
+    sliding = by_contact + free_tangential_acceleration
     return corner.by_case(
         contact_case, slip_direction, free_tangential_acceleration, np.zeros(()), sliding
     )

@@ -42,17 +42,17 @@ from vibrafeed.core.scenes.scene import (
 
 PASSES: dict[str, Callable[[Array, dict[str, Any], int], list[Mask]]] = {
     # A part that is no higher than the edge of the wiper.
-    "wiper_height": lambda height, at, _: [one.height <= height for one in at["aspect_sizes"]],
+    "wiper_height": lambda height, at, _: [size.height <= height for size in at["aspect_sizes"]],
     # One whose front is farther from its centre than the gap is long: it is carried until its front
     # has landed. `way` is 1 or -1 by the way round in which the part lies.
     "gap_length": lambda gap, at, _: [
-        one.along / 2 + at["way"] * one.off_along > gap for one in at["aspect_sizes"]
+        size.along / 2 + at["way"] * size.off_along > gap for size in at["aspect_sizes"]
     ],
     # One whose centre is above the ledge, (w - a/2) + z tan(delta) > 0: a track that leans by delta
     # holds the part, of the size a across and with its centre at the height z, on the wall.
     "ledge_width": lambda width, at, _: [
-        width - one.across / 2 + at["way"] * one.off_across + centre * np.tan(at["delta"]) > 0
-        for one, centre in zip(at["aspect_sizes"], at["centre_heights"], strict=True)
+        width - size.across / 2 + at["way"] * size.off_across + centre * np.tan(at["delta"]) > 0
+        for size, centre in zip(at["aspect_sizes"], at["centre_heights"], strict=True)
     ],
     "passed_aspect": lambda passed, _, aspects: [passed == k for k in range(1, aspects + 1)],
 }
@@ -77,10 +77,10 @@ class Device:
             "ledge_width": ("aspect_sizes", "centre_heights", "delta"),
             "rail_width": ("shank_diameter", "diameter"), "outlet_capacity": ("arrival_rate",),
         }  # fmt: skip
-        more = [name for number in self.numbers for name in needs.get(number, ())]
-        turns = ("turned_share", "turn") if self.turns else ()
-        own = dict.fromkeys((*self.numbers, *turns))
-        return (*(f"{number}_{self.place}" for number in own), *more)
+        compared = [name for number in self.numbers for name in needs.get(number, ())]
+        turning = ("turned_share", "turn") if self.turns else ()
+        own = dict.fromkeys((*self.numbers, *turning))  # each once
+        return (*(f"{number}_{self.place}" for number in own), *compared)
 
     @property
     def turns(self) -> bool:
@@ -95,11 +95,13 @@ class Device:
         """
         own: dict[str, Any] = {name: parameters.get(f"{name}_{self.place}") for name in DEVICES}
         tests = [
-            PASSES[one](own[one], parameters, aspects) for one in self.numbers if one in PASSES
+            PASSES[number](own[number], parameters, aspects)
+            for number in self.numbers
+            if number in PASSES
         ]
         matrix = orienting.unchanged(aspects)
-        for kept in tests:
-            matrix = orienting.product(matrix, orienting.test_of(kept))
+        for passing in tests:
+            matrix = orienting.product(matrix, orienting.test_of(passing))
         if "rail_width" in self.numbers:
             # Upright parts fall between the rails, others go on inverted if their head holds them.
             width, shank = own["rail_width"], parameters["shank_diameter"]
@@ -141,7 +143,8 @@ class DeviceLine:
         return Equation(gives, partial(self._passed, shares), source, needs=needs, says=says)
 
     def _passed(self, arriving: str, **values: Any) -> PassedShares:
-        by_way = [
+        # The matrices of all devices, for each way round of the parts.
+        matrices = [
             [device.matrix(self.aspects, {**values, "way": way}) for device in self.devices]
             for way in self.ways
         ]
@@ -153,43 +156,50 @@ class DeviceLine:
         ]
         shares = values[arriving]
         if self.ordered:
-            sorted_ways = [self._in_order(one, outlets, values["device_order"]) for one in by_way]
-            by_way, outlets = [one for one, _ in sorted_ways], sorted_ways[0][1]
+            in_order = [
+                self._in_order(of_way, outlets, values["device_order"]) for of_way in matrices
+            ]
+            matrices, outlets = [of_way for of_way, _ in in_order], in_order[0][1]
         passed = [orienting.unchanged(self.aspects) for _ in self.ways]
         for place, outlet in enumerate(outlets):
             passed = [
-                orienting.product(one, matrices[place])
-                for one, matrices in zip(passed, by_way, strict=True)
+                orienting.product(before, of_way[place])
+                for before, of_way in zip(passed, matrices, strict=True)
             ]
             if outlet is not None:
                 flow = orienting.mean(passed)
-                taken = orienting.outlet_share(shares, flow, values["arrival_rate"], outlet)
-                passed = [[[cell * taken for cell in row] for row in one] for one in passed]
+                share = orienting.outlet_share(shares, flow, values["arrival_rate"], outlet)
+                passed = [[[cell * share for cell in row] for row in matrix] for matrix in passed]
         return orienting.passed(shares, orienting.mean(passed))
 
     def _in_order(
         self, matrices: list[Matrix], outlets: list[Array | None], order: Array
     ) -> tuple[list[Matrix], list[Array | None]]:
-        capacities = [np.asarray(np.inf) if one is None else one for one in outlets]
-        chosen: list[Matrix] = []
-        at: list[Array | None] = []
-        places = range(self.aspects)
+        # The order may differ from cell to cell: so may the device that stands at a place.
+        capacities = [np.asarray(np.inf) if outlet is None else outlet for outlet in outlets]
+        has_outlet = any(outlet is not None for outlet in outlets)
+        sorted_matrices: list[Matrix] = []
+        sorted_outlets: list[Array | None] = []
+        aspects = range(self.aspects)
         for device in orienting.devices_in_order(order, len(matrices)):
-            pick = [device == k for k in range(len(matrices))]
-            chosen.append(
-                [[_pick(pick, [m[i][j] for m in matrices]) for j in places] for i in places]
-            )
-            at.append(
-                None if all(o is None for o in outlets) else _pick(pick, capacities)
+            masks = [device == number for number in range(len(matrices))]
+            sorted_matrices.append(
+                [
+                    [_select(masks, [matrix[row][column] for matrix in matrices])
+                     for column in aspects]
+                    for row in aspects
+                ]
             )  # fmt: skip
-        return chosen, at
+            sorted_outlets.append(_select(masks, capacities) if has_outlet else None)
+        return sorted_matrices, sorted_outlets
 
 
-def _pick(pick: list[Any], values: list[Array]) -> Array:
-    picked = values[0]
-    for mask, value in zip(pick[1:], values[1:], strict=True):
-        picked = np.where(mask, value, picked)
-    return picked
+def _select(masks: list[Any], values: list[Array]) -> Array:
+    """Return each value where its mask is True, the first where none is."""
+    selected = values[0]
+    for mask, value in zip(masks[1:], values[1:], strict=True):
+        selected = np.where(mask, value, selected)
+    return selected
 
 
 def end_of(name: str, function: Function, upper: bool, says: str) -> Equation:
@@ -203,7 +213,7 @@ def end_of(name: str, function: Function, upper: bool, says: str) -> Equation:
         end: Array = (np.maximum if upper else np.minimum)(*both)
         return end
 
-    needs = ("line_ends", *(one for one in arguments_of(function) if one != "line"))
+    needs = ("line_ends", *(name for name in arguments_of(function) if name != "line"))
     gives = f"{name}_{'upper' if upper else 'lower'}"
     says = f"Return the {'largest' if upper else 'least'} {says}."
     return Equation(gives, value, "theory 16.3", needs=needs, says=says)
@@ -250,13 +260,13 @@ RESULTS = (
     Equation("leaving_wanted", orienting.leaving_wanted, LINE),
     Equation("yield_deviation", orienting.yield_deviation, TEST),
 )
-OF_LINE = frozenset(one.gives for one in RESULTS if one.source == LINE)
+OF_LINE = frozenset(result.gives for result in RESULTS if result.source == LINE)
 
 
 def numbers_of(shape: str) -> tuple[str, ...]:
     """Return the device numbers that a shape can have; rails need parts with a head."""
-    head = shape != MESH and ASPECTS[shape][0] == "upright"
-    return tuple(n for n in DEVICES if n != "rail_width" or head)
+    has_head = shape != MESH and ASPECTS[shape][0] == "upright"
+    return tuple(number for number in DEVICES if number != "rail_width" or has_head)
 
 
 def passed_shares_of(shape: str) -> tuple[Equation, ...]:
@@ -284,7 +294,7 @@ def equations(shape: str, part: MeshPart) -> tuple[Equation, ...]:
     `shape` is a key of `ASPECTS`, or `MESH` of a `part`.
     """
     if shape == MESH:
-        own = _of_mesh(part)
+        own = _mesh_equations(part)
     else:
         sizes = Equation("aspect_sizes", SIZES[shape], LINE)
         own = (*shares_of(shape), sizes, *passed_shares_of(shape))
@@ -311,16 +321,22 @@ def _constant(value: tuple[Any, ...]) -> tuple[Any, ...]:
     return value
 
 
-def _of_mesh(part: MeshPart) -> tuple[Equation, ...]:
+def _mesh_equations(part: MeshPart) -> tuple[Equation, ...]:
     aspects = part.aspects
     bundles: dict[str, tuple[tuple[Any, ...], str]] = {
-        "let_down_shares": (tuple(one.let_down_share for one in aspects), "share let down [1]"),
-        "thrown_shares": (tuple(one.thrown_share for one in aspects), "share thrown [1]"),
-        "centre_heights": (tuple(one.centre_height for one in aspects), "centre's height [m]"),
+        "let_down_shares": (
+            tuple(aspect.let_down_share for aspect in aspects),
+            "share let down [1]",
+        ),
+        "thrown_shares": (tuple(aspect.thrown_share for aspect in aspects), "share thrown [1]"),
+        "centre_heights": (
+            tuple(aspect.centre_height for aspect in aspects),
+            "centre's height [m]",
+        ),
         "aspect_sizes": (
             tuple(
-                orienting.Aspect(*map(np.asarray, (one.height, one.width, one.length)))
-                for one in aspects
+                orienting.Aspect(*map(np.asarray, (aspect.height, aspect.width, aspect.length)))
+                for aspect in aspects
             ),
             "sizes [m]",
         ),
@@ -369,6 +385,7 @@ def fit_to_study(scene: Scene, parameters: Collection[str]) -> Scene:
 
 @lru_cache(maxsize=64)
 def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool, part: MeshPart) -> Scene:
+    """Return the scene with the devices and the drop test of a study."""
     devices: dict[int, list[str]] = {}
     for number, place in (match.groups() for match in map(_NUMBER.fullmatch, numbers) if match):
         devices.setdefault(int(place), []).append(number)
@@ -393,12 +410,13 @@ def _fitted(numbers: tuple[str, ...], ordered: bool, tested: bool, part: MeshPar
 def _equations_with_devices(
     shape: str, numbers: dict[int, list[str]], ordered: bool, tested: bool, part: MeshPart
 ) -> tuple[Equation, ...]:
-    known, aspects = numbers_of(shape), aspects_of(shape, part)
+    aspects = aspects_of(shape, part)
     devices = [
-        Device(place, tuple(n for n in known if n in numbers[place])) for place in sorted(numbers)
+        Device(place, tuple(name for name in numbers_of(shape) if name in numbers[place]))
+        for place in sorted(numbers)
     ]
     ways = (1.0, -1.0) if shape == "weighted_box" else (1.0,)
-    line = DeviceLine(tuple(d for d in devices if d.numbers), aspects, ordered, ways)
+    line = DeviceLine(tuple(device for device in devices if device.numbers), aspects, ordered, ways)
     lines = (
         *equations(shape, part),
         line.equation("thrown_line", "thrown_shares", LINE),
@@ -415,7 +433,7 @@ def _equations_with_devices(
     )
 
 
-def _turns(position: int, shape: str, aspects: int) -> Constraint:
+def _turn_constraint(position: int, shape: str, aspects: int) -> Constraint:
     pairs = [str(pair) for pair in PAIRS if max(divmod(pair, 10)) <= aspects]
     return Constraint(
         (f"turn_{position}",),
@@ -426,9 +444,9 @@ def _turns(position: int, shape: str, aspects: int) -> Constraint:
     )
 
 
-def _aspects_named(name: str, shape: str) -> Constraint:
+def _aspect_constraint(name: str, shape: str) -> Constraint:
     names = [f"{place}, {WORDS[aspect]}" for place, aspect in enumerate(ASPECTS[shape], 1)]
-    *before, last = (one.replace("`", "") for one in names)
+    *before, last = (name.replace("`", "") for name in names)
     return Constraint(
         (name,),
         lambda _, largest: largest <= len(names),
@@ -441,11 +459,15 @@ def _aspects_named(name: str, shape: str) -> Constraint:
 def constraints(part: MeshPart) -> tuple[Constraint, ...]:
     """Return the relations of numbers of aspects to those that each shape, or a `part`, has."""
     shapes = (*SHAPES, MESH)
-    turns = (_turns(n, one, aspects_of(one, part)) for n in POSITIONS for one in shapes)
-    named = ("wanted_aspect", *(f"passed_aspect_{n}" for n in POSITIONS))
+    turns = (
+        _turn_constraint(position, shape, aspects_of(shape, part))
+        for position in POSITIONS
+        for shape in shapes
+    )
+    named = ("wanted_aspect", *(f"passed_aspect_{position}" for position in POSITIONS))
     return (
         *turns,
-        *(_aspects_named(name, shape) for name in named for shape in SHAPES),
+        *(_aspect_constraint(name, shape) for name in named for shape in SHAPES),
         *(number_of_aspects(name, part) for name in named),
     )
 

@@ -35,27 +35,27 @@ def of_body(body: int, gives: str, function: Function, source: str, says: str) -
 
 
 def conditions(
-    laws: ModuleType, where: Equations, before: Equations, after: Equations
+    laws: ModuleType, contact: Equations, approach: Equations, outcome: Equations
 ) -> dict[str, tuple[Condition, ...]]:
     """Return the conditions of each law for an impact of two bodies of a shape.
 
-    `laws` has the functions; `where` gives the place of contact, `before` what closes there, and
-    `after` what the impact leaves.
+    `laws` has the functions; `contact` gives the place of contact, `approach` what closes there,
+    and `outcome` what the impact leaves.
     """
-    position, closing, left = (
-        frozenset(one.gives for one in some if not QUANTITIES[one.gives].bundle)
-        for some in (where, before, after)
+    of_place, of_approach, of_outcome = (
+        frozenset(each.gives for each in equations if not QUANTITIES[each.gives].bundle)
+        for equations in (contact, approach, outcome)
     )
-    left = left - {"energy_before"} | {"regime"}
-    closing |= left
+    of_outcome = of_outcome - {"energy_before"} | {"regime"}
+    of_approach |= of_outcome
     common = (
-        Condition("apart", laws.is_apart, position | closing, otherwise="contact"),
-        Condition("overlap", laws.overlaps, position | closing),
-        Condition("simultaneous", laws.lacks_single_point, position | closing),
-        Condition("simultaneous", laws.lacks_single_impulse, left),
-        Condition("no_impact", laws.does_not_approach, closing, otherwise="impact"),
+        Condition("apart", laws.is_apart, of_place | of_approach, otherwise="contact"),
+        Condition("overlap", laws.overlaps, of_place | of_approach),
+        Condition("simultaneous", laws.lacks_single_point, of_place | of_approach),
+        Condition("simultaneous", laws.lacks_single_impulse, of_outcome),
+        Condition("no_impact", laws.does_not_approach, of_approach, otherwise="impact"),
     )
-    stick = Condition("impact_stick", laws.ends_in_stick, left, otherwise="impact_slip")
+    stick = Condition("impact_stick", laws.ends_in_stick, of_outcome, otherwise="impact_slip")
     with_friction = (*common, stick)
     return {"frictionless": common, "pfeiffer_glocker": with_friction, "moreau": with_friction}
 

@@ -263,7 +263,7 @@ LYING = {
 FILE = "theory 16.5"
 
 
-def _of_aspect(numbers: tuple[float, ...], *, aspect: Array) -> Array:
+def _number_of_aspect(numbers: tuple[float, ...], *, aspect: Array) -> Array:
     value: Array = 0 * aspect + numbers[0]
     for place, number in enumerate(numbers[1:], 2):
         value = np.where(aspect >= place, number, value)
@@ -272,8 +272,8 @@ def _of_aspect(numbers: tuple[float, ...], *, aspect: Array) -> Array:
 
 def of_aspect(part: MeshPart, gives: str, field: str, says: str) -> Equation:
     """Return the equation of a number of each aspect, a field of `PartAspect`."""
-    numbers = tuple(getattr(one, field) for one in part.aspects)
-    function = partial(_of_aspect, numbers)
+    numbers = tuple(getattr(aspect, field) for aspect in part.aspects)
+    function = partial(_number_of_aspect, numbers)
     return Equation(gives, function, FILE, needs=("aspect",), says=f"Return {says}.")
 
 

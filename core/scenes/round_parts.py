@@ -145,7 +145,7 @@ CONE_SCENE = Scene(
     "friction that it needs is that of the resultant. Rolling resistance is neglected.",
     variants={
         "physical": (
-            *(e for e in PLANE if not e.gives.startswith("rotated")),
+            *(each for each in PLANE if not each.gives.startswith("rotated")),
             *UNILATERAL,
             *ROLLER_AXIS,
             Equation("mass_height", resting.cone_centre, "theory 16.1"),

@@ -52,9 +52,9 @@ def queue_velocity(*, inflow: Array, row_velocity: Array, lane_pitch: Array) -> 
     The queue stands in front of a closed end; q is the inflow in parts a second. Infinite where the
     inflow is all that the lane takes, NaN where it is more.
     """
-    flow = inflow / MINUTE * lane_pitch
-    left = row_velocity - flow
-    return np.where(left < 0, np.nan, ratio(flow * row_velocity, left, np.inf))
+    flow = inflow / MINUTE * lane_pitch  # q l
+    spare = row_velocity - flow
+    return np.where(spare < 0, np.nan, ratio(flow * row_velocity, spare, np.inf))
 
 
 def fill_time(*, lane_length: Array, lane_pitch: Array, inflow: Array) -> Array:
@@ -89,10 +89,10 @@ def mean_platoons(*, parts: Array) -> Array:
     Platoons are parts that stay together. It holds where parts slip one way only, whatever the
     distribution of friction: the faces of the convex minorant of a random walk (Sparre Andersen).
     """
-    total = np.zeros_like(parts)
+    platoons = np.zeros_like(parts)
     for k in range(1, MAX_PARTS + 1):
-        total = total + np.where(parts >= k, 1.0 / k, 0.0)
-    return total
+        platoons = platoons + np.where(parts >= k, 1.0 / k, 0.0)
+    return platoons
 
 
 def closing_time(*, part_gap: Array, row_velocity: Array, front_velocity: Array) -> Array:
@@ -101,8 +101,8 @@ def closing_time(*, part_gap: Array, row_velocity: Array, front_velocity: Array)
     v and v_f are the velocities of this row and of the one in front; infinite where the latter is
     not slower.
     """
-    gains = row_velocity - front_velocity
-    return np.where(gains > 0, ratio(part_gap, gains, np.inf), np.inf)
+    closing_velocity = row_velocity - front_velocity
+    return np.where(closing_velocity > 0, ratio(part_gap, closing_velocity, np.inf), np.inf)
 
 
 def pair_force(
@@ -114,8 +114,8 @@ def pair_force(
     m = m1 m2/(m1 + m2), and part 1 is behind part 2; 0 where part 1 has the larger friction and
     stays back.
     """
-    reduced = part_mass_1 * (part_mass_2 / (part_mass_1 + part_mass_2))
-    return reduced * np.maximum(part_friction_2 - part_friction_1, 0.0) * gravity
+    reduced_mass = part_mass_1 * (part_mass_2 / (part_mass_1 + part_mass_2))
+    return reduced_mass * np.maximum(part_friction_2 - part_friction_1, 0.0) * gravity
 
 
 # --- bend
@@ -206,12 +206,12 @@ def two_level_hold(
     The first result is t + s, the second V_i (theory 17.5).
     """
     period = 1.0 / frequency
-    a_s, a_m, brake = forward_acceleration, return_acceleration, friction_kinetic * gravity
-    peak = a_s * period * a_m / (a_s + a_m) / 2
-    until = (peak + a_s * peak / a_m) / (a_s + brake)  # t; `carried` is s
-    back = brake * until
-    carried = (back + np.sqrt(back * back + a_s * brake * until * until)) / a_s
-    return until + carried, a_s * carried - back, period
+    a_s, a_m, mu_g = forward_acceleration, return_acceleration, friction_kinetic * gravity
+    peak = a_s * period * a_m / (a_s + a_m) / 2  # V
+    t = (peak + a_s * peak / a_m) / (a_s + mu_g)
+    backward = mu_g * t
+    s = (backward + np.sqrt(backward * backward + a_s * mu_g * t * t)) / a_s
+    return t + s, a_s * s - backward, period
 
 
 def two_level_force(
@@ -222,14 +222,15 @@ def two_level_force(
 
     M is the mass of the row; the others as of `two_level_hold`.
     """
-    away, impact, period = two_level_hold
-    return row_weight / gravity * (friction_kinetic * gravity * (period - away) + impact) / period
+    free_time, impact_velocity, period = two_level_hold
+    drag = friction_kinetic * gravity * (period - free_time)
+    return row_weight / gravity * (drag + impact_velocity) / period
 
 
 def two_level_contact(*, two_level_hold: tuple[Array, Array, Array]) -> Array:
     """Return the share of the time in which the row touches the stop, (T - t - s)/T [1]."""
-    away, _, period = two_level_hold
-    return (period - away) / period
+    free_time, _, period = two_level_hold
+    return (period - free_time) / period
 
 
 def two_level_impacts(
@@ -239,8 +240,9 @@ def two_level_impacts(
 
     V_i/(mu g (T - t - s) + V_i), as of `two_level_hold`.
     """
-    away, impact, period = two_level_hold
-    return impact / (friction_kinetic * gravity * (period - away) + impact)
+    free_time, impact_velocity, period = two_level_hold
+    drag = friction_kinetic * gravity * (period - free_time)
+    return impact_velocity / (drag + impact_velocity)
 
 
 def strikes_too_late(
@@ -251,10 +253,10 @@ def strikes_too_late(
 
     The closed form of the force on the stop does not hold there; symbols as of `two_level_hold`.
     """
-    away, _, period = two_level_hold
+    free_time, _, period = two_level_hold
     a_s, a_m = forward_acceleration, return_acceleration
-    peak = a_s * period * a_m / (a_s + a_m) / 2
-    return away > peak / a_m + 2 * peak / a_s
+    peak = a_s * period * a_m / (a_s + a_m) / 2  # V
+    return free_time > peak / a_m + 2 * peak / a_s
 
 
 def is_not_carried(
@@ -262,8 +264,8 @@ def is_not_carried(
     gravity: Array,
 ) -> Mask:  # fmt: skip
     """True where friction does not carry the row forward, or holds it while the track runs back."""
-    brake = friction_kinetic * gravity
-    return (forward_acceleration > brake) | (return_acceleration <= brake)
+    mu_g = friction_kinetic * gravity
+    return (forward_acceleration > mu_g) | (return_acceleration <= mu_g)
 
 
 # --- stop that moves with the track, under a sine
@@ -279,11 +281,11 @@ def least_held_force(
     The mean is (M/pi)(C cos(t_f) - k (pi/2 - t_f)), with C = P (cos beta + mu sin beta), k = g (sin
     gamma + mu cos gamma) and sin(t_f) = k/C; 0 where C <= k.
     """
-    gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
-    drag = gravity * (sine(gamma) + friction_static * cosine(gamma))
-    from_on = _angle(drag, gain)
-    mean = (gain * np.cos(from_on) - drag * (np.pi / 2 - from_on)) / np.pi
-    return row_weight / gravity * np.where(gain > drag, mean, 0.0)
+    c = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
+    k = gravity * (sine(gamma) + friction_static * cosine(gamma))
+    t_f = _arcsine(k, c)
+    mean = (c * np.cos(t_f) - k * (np.pi / 2 - t_f)) / np.pi
+    return row_weight / gravity * np.where(c > k, mean, 0.0)
 
 
 def locked_held_force(
@@ -297,29 +299,32 @@ def locked_held_force(
     largest, F_1, where L is, stays until U falls to it, follows U to its least value F_2, and stays
     until L rises to that (theory 17.5).
     """
-    level, climb = cosine(gamma), sine(gamma)
-    gain = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
-    drag = gravity * (climb + friction_static * level)
-    upper = vibration_acceleration * (cosine(beta) - friction_static * sine(beta))
-    pull = gravity * (climb - friction_static * level)
-    most = np.maximum(gain - drag, 0.0)
-    least = np.maximum(np.minimum(most, -np.abs(upper) - pull), 0.0)
-    falls, ends = _angle(most + pull, upper), _angle(least + pull, upper)
-    rises = _angle(least + drag, gain)
+    cos_gamma, sin_gamma = cosine(gamma), sine(gamma)
+    # L = l_sine sin(phase) - l_constant, U = u_sine sin(phase) - u_constant.
+    l_sine = vibration_acceleration * (cosine(beta) + friction_static * sine(beta))
+    l_constant = gravity * (sin_gamma + friction_static * cos_gamma)
+    u_sine = vibration_acceleration * (cosine(beta) - friction_static * sine(beta))
+    u_constant = gravity * (sin_gamma - friction_static * cos_gamma)
+    f_1 = np.maximum(l_sine - l_constant, 0.0)
+    f_2 = np.maximum(np.minimum(f_1, -np.abs(u_sine) - u_constant), 0.0)
+    # Phases within -pi/2 and pi/2: U is F_1 and F_2 at u_1 and u_2, mirrored where it falls, and
+    # L is F_2 at l_2.
+    u_1, u_2 = _arcsine(f_1 + u_constant, u_sine), _arcsine(f_2 + u_constant, u_sine)
+    l_2 = _arcsine(f_2 + l_constant, l_sine)
     half = np.pi / 2
-    total = (
-        most * (half - falls)
-        + upper * (np.cos(ends) - np.cos(falls))
-        - pull * (falls - ends)
-        + least * (half + ends)
-        + least * (half + rises)
-        + gain * np.cos(rises)
-        - drag * (half - rises)
+    integral = (
+        f_1 * (half - u_1)  # F_1 from the peak of L on
+        + u_sine * (np.cos(u_2) - np.cos(u_1))  # U while it falls
+        - u_constant * (u_1 - u_2)
+        + f_2 * (half + u_2)  # F_2 to the lowest point of the sine, and from there
+        + f_2 * (half + l_2)
+        + l_sine * np.cos(l_2)  # L while it rises to its peak
+        - l_constant * (half - l_2)
     )
-    return row_weight / gravity * np.where(most > 0.0, total / (2 * np.pi), 0.0)
+    return row_weight / gravity * np.where(f_1 > 0.0, integral / (2 * np.pi), 0.0)
 
 
-def _angle(value: Array, gain: Array) -> Array:
+def _arcsine(value: Array, gain: Array) -> Array:
     return np.arcsin(np.maximum(np.minimum(ratio(value, gain, 1.0), 1.0), -1.0))
 
 
@@ -333,8 +338,8 @@ def least_two_level_force(
     runs back; 0 where friction holds it.
     """
     excess = np.maximum(return_acceleration - friction_static * gravity, 0.0)
-    share = forward_acceleration / (forward_acceleration + return_acceleration)
-    return row_weight / gravity * excess * share
+    time_fraction = forward_acceleration / (forward_acceleration + return_acceleration)
+    return row_weight / gravity * excess * time_fraction
 
 
 def slips_back_in_steps(

@@ -22,7 +22,7 @@ _VERB = re.compile(r"^(?:Return|True) ")
 def arguments_of(function: Function) -> tuple[str, ...]:
     """Return the quantities that a function takes: its arguments without default."""
     parameters = inspect.signature(function).parameters.values()
-    return tuple(p.name for p in parameters if p.default is inspect.Parameter.empty)
+    return tuple(each.name for each in parameters if each.default is inspect.Parameter.empty)
 
 
 def _summary(says: str | None) -> str:
@@ -78,7 +78,7 @@ class Equation:
         return _summary(self.says or inspect.getdoc(self.function))
 
 
-def _taken(bundle: str, path: tuple[Any, ...], **values: Any) -> Any:
+def _follow_path(bundle: str, path: tuple[Any, ...], **values: Any) -> Any:
     value = values[bundle]
     for step in path:
         value = getattr(value, step) if isinstance(step, str) else value[step]
@@ -100,12 +100,12 @@ def field_of(
     gives, says, source, variant : str
         As in `Equation`; `says` as one says after "Return".
     """
-    function = partial(_taken, bundle, path)
+    function = partial(_follow_path, bundle, path)
     return Equation(gives, function, source, variant, needs=(bundle,), says=f"Return {says}.")
 
 
-def _with_names(function: Function, names: Mapping[str, str], **values: Any) -> Any:
-    return function(**{own: values[name] for own, name in names.items()})
+def _call_renamed(function: Function, names: Mapping[str, str], **values: Any) -> Any:
+    return function(**{argument: values[name] for argument, name in names.items()})
 
 
 def under_names(
@@ -116,9 +116,9 @@ def under_names(
     One function serves several bodies or instants so. Inputs are in the order of `names`, then of
     the function; `says` is as one says after "Return".
     """
-    names |= {own: own for own in arguments_of(function) if own not in names}
-    named, needs = partial(_with_names, function, names), tuple(names.values())
-    return Equation(gives, named, source, variant, needs, f"Return {says}.")
+    names |= {name: name for name in arguments_of(function) if name not in names}
+    renamed, needs = partial(_call_renamed, function, names), tuple(names.values())
+    return Equation(gives, renamed, source, variant, needs, f"Return {says}.")
 
 
 def fields(bundle: str, source: str, variant: str = "all", **rows: Any) -> tuple[Equation, ...]:
@@ -301,9 +301,9 @@ class Scene:
 
     def outputs(self, variant: str) -> tuple[str, ...]:
         """Return the outputs of a variant, `regime` last."""
-        given = self.producers(variant)
-        names = (n for n in given if not (QUANTITIES[n].bundle or QUANTITIES[n].parameter))
-        return (*names, "regime")
+        quantities = {name: QUANTITIES[name] for name in self.producers(variant)}
+        outputs = (n for n, each in quantities.items() if not (each.bundle or each.parameter))
+        return (*outputs, "regime")
 
     def variant_of(self, variant: str, output: str) -> str:
         """Return the variant whose formula an output uses when `variant` is chosen.
@@ -311,22 +311,26 @@ class Scene:
         The physical variant has no law of its own for the velocity after a distance, for example,
         and takes the derived one.
         """
-        met = behind((output,), self.producers(variant).get, lambda one: one.variant == "all")
-        found = {one.variant for one in met.values() if one is not None} - {"all"}
-        return found.pop() if len(found) == 1 else variant
+        # What an equation of one variant needs is of that variant too: it is not looked at.
+        steps = behind(
+            (output,), self.producers(variant).get, lambda equation: equation.variant == "all"
+        )
+        variants = {step.variant for step in steps.values() if step is not None} - {"all"}
+        return variants.pop() if len(variants) == 1 else variant
 
     def _check(self, variant: str) -> None:
-        where = f"{self.name} ({variant})"
-        for names, wrong in self._misplaced_names(variant):
+        place = f"{self.name} ({variant})"
+        for names, message in self._misplaced_names(variant):
             if names:
-                raise SceneError(f"{where}: {wrong.format(sorted(names))}")
+                raise SceneError(f"{place}: {message.format(sorted(names))}")
         gives = [equation.gives for equation in self.variants[variant]]
         try:
             behind(gives, self.producers(variant).get)
         except CycleError as error:
-            raise SceneError(f"{where}: {error}") from None
+            raise SceneError(f"{place}: {error}") from None
 
     def _misplaced_names(self, variant: str) -> Iterator[tuple[set[str], str]]:
+        """Yield names that are wrong, and a message with a place for them; the set may be empty."""
         equations, conditions = self.variants[variant], self.conditions[variant]
         gives = [equation.gives for equation in equations]
         yield {name for name in gives if gives.count(name) > 1}, "two equations give {}"
@@ -335,12 +339,12 @@ class Scene:
         undeclared = (needed | set(gives)) - set(QUANTITIES)
         undeclared |= {condition.regime for condition in conditions} - set(REGIMES)
         yield undeclared, "{} are not declared"
-        stand_alone = {name for name, quantity in QUANTITIES.items() if quantity.parameter}
-        stand_alone |= {*self.defaults_of(variant)}
-        yield needed - set(gives) - stand_alone, "nothing gives {}"
-        strange = {name for condition in conditions for name in condition.outputs}
-        strange -= {name for one in self.variants for name in self.outputs(one)}
-        yield strange, "conditions name {}, which no variant gives"
+        parameters = {name for name, quantity in QUANTITIES.items() if quantity.parameter}
+        parameters |= {*self.defaults_of(variant)}
+        yield needed - set(gives) - parameters, "nothing gives {}"
+        concerned = {name for condition in conditions for name in condition.outputs}
+        outputs = {name for each in self.variants for name in self.outputs(each)}
+        yield concerned - outputs, "conditions name {}, which no variant gives"
 
 
 class CycleError(ValueError):
@@ -362,22 +366,22 @@ def behind(
     CycleError
         If a quantity needs itself.
     """
-    met: dict[str, Equation | None] = {}
+    steps: dict[str, Equation | None] = {}
 
     def visit(name: str, path: tuple[str, ...]) -> None:
         if name in path:
             raise CycleError(" needs ".join((*path, name)))
-        if name in met:
+        if name in steps:
             return
         step = producer(name)
         if step is not None and enters(step):
             for needed in step.inputs:
                 visit(needed, (*path, name))
-        met[name] = step
+        steps[name] = step
 
     for name in wanted:
         visit(name, ())
-    return met
+    return steps
 
 
 def between(
@@ -387,9 +391,9 @@ def between(
 
     They are those that change if one of the `sources` changes, as far as the `targets` need them.
     """
-    changes, way = {*sources}, []
-    for one in behind(targets, {one.gives: one for one in steps}.get).values():
-        if one is not None and one.gives not in sources and changes & {*one.inputs}:
-            changes.add(one.gives)
-            way.append(one)
-    return tuple(way)
+    changed, path = {*sources}, []
+    for step in behind(targets, {step.gives: step for step in steps}.get).values():
+        if step is not None and step.gives not in sources and changed & {*step.inputs}:
+            changed.add(step.gives)
+            path.append(step)
+    return tuple(path)

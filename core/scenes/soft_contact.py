@@ -23,12 +23,13 @@ rigid."""
 
 
 def _excess(x: Array) -> Array:
-    near = np.abs(x) < SMALL
-    small = np.where(near, x, 0.0)
+    # exp(x) - 1 - x, for small x by its series x^2/2 (1 + x/3 (1 + x/4 (1 + ...))).
+    is_small = np.abs(x) < SMALL
+    small = np.where(is_small, x, 0.0)
     series = np.ones(())
     for k in range(TERMS, 2, -1):
         series = 1 + small / k * series
-    return np.where(near, small * small / 2 * series, np.expm1(np.where(near, 1.0, x)) - x)
+    return np.where(is_small, small * small / 2 * series, np.expm1(np.where(is_small, 1.0, x)) - x)
 
 
 def hunt_crossley(impact_number: Array) -> Array:
@@ -40,9 +41,9 @@ def hunt_crossley(impact_number: Array) -> Array:
     method, from s (theory 18.3).
     """
     s = np.log1p(impact_number)
-    given, t = _excess(s), s
+    left_side, t = _excess(s), s
     for _ in range(STEPS):
-        t = t - ratio(_excess(-t) - given, -np.expm1(-t), 0.0)
+        t = t - ratio(_excess(-t) - left_side, -np.expm1(-t), 0.0)
     return ratio(-np.expm1(-t), impact_number, 1.0)
 
 
@@ -52,16 +53,16 @@ def damped_number(restitution: Array) -> Array:
     The inverse of `hunt_crossley`; infinite for restitution 0. 1/e - 1 is nearly linear in d, 2 d/3
     for small and d - 1 for large d, so that Newton's method in it converges fast.
     """
-    some = restitution > 0
-    known = 1 / np.where(some, restitution, 0.5) - 1
-    d = 1.5 * known
+    rebounds = restitution > 0
+    target = 1 / np.where(rebounds, restitution, 0.5) - 1  # 1/e - 1
+    d = 1.5 * target
     for _ in range(OUTER_STEPS):
         e = hunt_crossley(d)
         # d(1/e)/dd, by d(e d)/dd = d (1 - e d)/((1 + d) e d).
         slope = (1 - (1 - e * d) / ((1 + d) * (e * e))) / np.where(d > 0, e * d, 1.0)
         slope = np.where(d < LITTLE, 2.0 / 3.0, slope)
-        d = np.maximum(d - (1 / e - 1 - known) / slope, 0.0)
-    return np.where(some, d, np.inf)
+        d = np.maximum(d - (1 / e - 1 - target) / slope, 0.0)
+    return np.where(rebounds, d, np.inf)
 
 
 def impact_damping(*, restitution: Array, restitution_speed: Array) -> Array:
@@ -74,9 +75,9 @@ def restitution_at(*, impact_damping: Array, impact_speed: Array) -> Array:
 
     `impact_damping` is that of Hunt and Crossley's law [s m-1]; infinite damping gives 0.
     """
-    endless = np.isinf(impact_damping)
-    number = np.where(endless, 1.0, impact_damping) * impact_speed
-    return np.where(endless, 0.0, hunt_crossley(number))
+    is_infinite = np.isinf(impact_damping)
+    impact_number = np.where(is_infinite, 1.0, impact_damping) * impact_speed
+    return np.where(is_infinite, 0.0, hunt_crossley(impact_number))
 
 
 # --- a linear spring and damper that never pulls
@@ -88,12 +89,13 @@ def restitution_of_damping(*, contact_damping_ratio: Array) -> Array:
     exp(-(pi - 2 a) tan(a)) with sin(a) = zeta, the damping ratio [1]; beyond zeta = 1 the same with
     hyperbolic functions, exp(-2 zeta acosh(zeta)/sqrt(zeta^2 - 1)).
     """
+    # With pi - 2 a = 2 acos(zeta) and tan(a) = zeta/sqrt(1 - zeta^2).
     zeta = contact_damping_ratio
     return np.exp(-2 * zeta * _arc(zeta))
 
 
 def _arc(zeta: Array) -> Array:
-    # Acos(zeta)/sqrt(1 - zeta^2), and beyond 1 acosh(zeta)/sqrt(zeta^2 - 1) [1].
+    # acos(zeta)/sqrt(1 - zeta^2), and beyond 1 acosh(zeta)/sqrt(zeta^2 - 1) [1].
     low, high = np.minimum(zeta, 1.0), np.maximum(zeta, 1.0)
     root = np.sqrt((1 - low) * (1 + low))
     beyond = np.sqrt(high - 1) * np.sqrt(high + 1)
@@ -107,17 +109,18 @@ def damping_of_restitution(*, restitution: Array) -> Array:
     The inverse of `restitution_of_damping`, 2 zeta _arc(zeta) = -ln(restitution), by Newton's
     method. Below exp(-2) = 0.135 the damping is more than critical; infinite for restitution 0.
     """
-    some = restitution > 0
-    loss = 0.0 - np.log(np.where(some, restitution, 1.0))
+    rebounds = restitution > 0
+    loss = 0.0 - np.log(np.where(rebounds, restitution, 1.0))
     # The logarithm is concave in zeta: pi zeta near 0, 2 ln(2 zeta) far beyond 1.
     zeta = np.where(loss < 2, loss / np.pi, np.cosh(loss / 2))
     for _ in range(DAMPING_STEPS):
         arc = _arc(zeta)
-        near = np.abs(zeta - 1) < LITTLE
-        bend = (zeta * arc - 1) / np.where(near, 1.0, 1 - zeta) / (1 + zeta)
-        slope = 2 * (arc + zeta * np.where(near, -1 / 3, bend))
+        is_near_1 = np.abs(zeta - 1) < LITTLE
+        # d(_arc)/dzeta = (zeta _arc - 1)/(1 - zeta^2), -1/3 at 1.
+        arc_slope = (zeta * arc - 1) / np.where(is_near_1, 1.0, 1 - zeta) / (1 + zeta)
+        slope = 2 * (arc + zeta * np.where(is_near_1, -1 / 3, arc_slope))
         zeta = zeta - (2 * zeta * arc - loss) / slope
-    return np.where(some, zeta, np.inf)
+    return np.where(rebounds, zeta, np.inf)
 
 
 # --- when contacts are rigid

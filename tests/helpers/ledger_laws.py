@@ -39,17 +39,17 @@ def test_servers_count_the_bytes_of_an_owner_alike(ledgers, tmp_path):
     here, there = (Quota(ledger, Store(tmp_path), settings) for ledger in ledgers)
     who = Key("lab", "run", bytes=2500)
     for server in (here, there):
-        server.look("k", 1000, who)  # nothing is there
+        server.measure_if_short("k", 1000, who)  # nothing is there
     for key in ("k", "l"):
-        here.make(key, 1000, who)
+        here.make_room(key, 1000, who)
         post(ledgers[0], key, owner="lab")
         here.ownership.hold("lab", key, 10, result=True)
     assert there.used() == 2000
     with pytest.raises(NoRoomError, match="your key may store"):
-        there.make("m", 1000, who)
+        there.make_room("m", 1000, who)
     ledgers[1].end(ledgers[1].claim("b", LEASE, "k"), None, 300)
     assert here.used() == 1300
-    there.make("m", 1000, who)
+    there.make_room("m", 1000, who)
     there.ownership.hold("lab", "m", 10, result=True)
     assert here.ownership.of("lab", "k") is not None  # it has made no room
 

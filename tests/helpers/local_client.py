@@ -23,13 +23,13 @@ class Threads(ProcessPool):
     """Carries out in a thread what the processes of a pool would: a test starts none."""
 
     async def __call__(
-        self, function, *arguments, seconds=float("inf"), look=None, began=None, grace=0.0
+        self, function, *arguments, seconds=float("inf"), check=None, on_start=None, grace=0.0
     ) -> Any:
         call = asyncio.wrap_future(_THREAD.submit(function, *arguments))
         try:
-            if began is not None:
-                await began()
-            if not await _until_done(call, seconds, look):
+            if on_start is not None:
+                await on_start()
+            if not await _until_done(call, seconds, check):
                 raise StoppedError(f"stopped after {seconds:g} s")
             return call.result()
         finally:

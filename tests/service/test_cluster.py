@@ -48,11 +48,11 @@ async def plays(cluster: Cluster, local: distributed.LocalCluster) -> None:
     await asyncio.to_thread(local.wait_for_workers, 1)
     await cluster.prepare()
     assert (cluster.alive(), cluster.fair_queue.slots, cluster.trouble) == (2, 3, None)
-    assert await cluster(divmod, 7, 2, began=nothing) == (3, 1)
+    assert await cluster(divmod, 7, 2, on_start=nothing) == (3, 1)
     with pytest.raises(ZeroDivisionError):
-        await cluster(divmod, 1, 0, began=nothing)
+        await cluster(divmod, 1, 0, on_start=nothing)
     # What is given up is left to itself.
-    call = asyncio.create_task(cluster(go_on, began=nothing, grace=0.1))
+    call = asyncio.create_task(cluster(go_on, on_start=nothing, grace=0.1))
     await awaited(BEGUN.is_set)
     call.cancel()
     await asyncio.wait({call})
@@ -62,7 +62,7 @@ async def plays(cluster: Cluster, local: distributed.LocalCluster) -> None:
     await asyncio.to_thread(cluster._client.close)
     await awaited(lambda: cluster._client.status == "closed")
     await cluster.prepare()
-    assert await cluster(divmod, 7, 2, began=nothing) == (3, 1)
+    assert await cluster(divmod, 7, 2, on_start=nothing) == (3, 1)
     await asyncio.to_thread(cluster.close)
 
 

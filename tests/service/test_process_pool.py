@@ -128,7 +128,7 @@ async def test_what_nobody_wants_any_more_is_ended(pool):
     told = []
     asyncio.get_running_loop().set_exception_handler(lambda _, context: told.append(context))
     with pytest.raises(InterruptedError):
-        await pool(hold, seconds=10**6, look=look)
+        await pool(hold, seconds=10**6, check=look)
     gc.collect()  # an error that nobody has asked a future for is told as the future goes
     assert told == []
 

@@ -56,7 +56,7 @@ def readyz(request: Request, settings: SettingsOf) -> Response:
     # Parts of the service append their own, which return None or a text that says what is wrong.
     checks: list[tuple[str, Callable[[], str | None]]] = [
         ("stopping", lambda: "it stops" if request.app.state.stopping.is_set() else None),
-        ("data_directory", lambda: _written(settings.data_directory)),
+        ("data_directory", lambda: _write_fault(settings.data_directory)),
         *request.app.state.readiness,
     ]
     failed = []
@@ -85,7 +85,7 @@ def metrics(request: Request) -> Response:
     return Response(request.app.state.metrics.text(), media_type=CONTENT_TYPE_LATEST)
 
 
-def _written(directory: Path) -> str | None:
+def _write_fault(directory: Path) -> str | None:
     """Return the reason why no file can be written in a directory, as a text; None if one can.
 
     A file is written there to find out; a missing directory is created.

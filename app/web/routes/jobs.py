@@ -37,7 +37,7 @@ router = Router(prefix="/jobs", tags=["jobs"])
 State = Literal["accepted", "running", "successful", "failed", "dismissed"]
 assert set(STATES) == set(State.__args__)  # type: ignore[attr-defined]
 
-LOOK = 0.25  # s between looks at a job whose events are followed
+POLL = 0.25  # s between looks at a job whose events are followed
 SIGN_OF_LIFE = 15.0  # s after which an idle stream says that it is alive
 MAX_LISTED = 1000
 NO_JOB = problems(s404="No such job", s422="The identifier is malformed")
@@ -61,12 +61,12 @@ def parse_interval(text: str | None) -> tuple[float | None, float | None]:
         raise ValueError("the query parameter datetime is neither a time nor an interval START/END")
     ends: list[float | None] = []
     for word in words:
-        time_ = None if word in ("", "..") else datetime.fromisoformat(word)
-        if time_ is not None and time_.tzinfo is None:
+        end = None if word in ("", "..") else datetime.fromisoformat(word)
+        if end is not None and end.tzinfo is None:
             raise ValueError(
                 f"{word[:40]!r} in datetime has no time zone: write it as in 2026-01-01T00:00:00Z"
             )
-        ends.append(None if time_ is None else time_.timestamp())
+        ends.append(None if end is None else end.timestamp())
     return ends[0], ends[-1]
 
 
@@ -93,10 +93,10 @@ def parse_cursor(text: str | None) -> tuple[float, str] | None:
     """
     if text is None:
         return None
-    found = re.fullmatch(r"([0-9]{1,12}\.[0-9]{1,9}),([0-9a-f-]{1,40})", text, re.ASCII)
-    if found is None:
+    match = re.fullmatch(r"([0-9]{1,12}\.[0-9]{1,9}),([0-9a-f-]{1,40})", text, re.ASCII)
+    if match is None:
         raise ValueError("the query parameter after is not that of a link `next`")
-    return float(found[1]), found[2]
+    return float(match[1]), match[2]
 
 
 @router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"),
@@ -105,7 +105,7 @@ async def list_jobs(
     request: Request,
     admission: AdmissionOf,
     base: BaseOf,
-    who: WhoOf,
+    api_key: WhoOf,
     process: Annotated[
         list[str],
         Query(
@@ -165,27 +165,30 @@ async def list_jobs(
     offset: Annotated[str | None, Query(include_in_schema=False), checked(refuse_offset)] = None,
 ) -> Response:
     """Return jobs, the latest first; the link `next` leads to further ones."""
-    seen_by = None if who.sees_all else who.name
-    known = [name for name in process if name in PROCESSES]
-    wanted = Wanted(tuple(known), tuple(status), parse_interval(created), (least, longest), seen_by)
-    here = URL(f"{base}/jobs").replace(query=request.url.query)
+    seen_by = None if api_key.sees_all else api_key.name
+    known_processes = [name for name in process if name in PROCESSES]
+    wanted = Wanted(
+        tuple(known_processes), tuple(status), parse_interval(created), (least, longest), seen_by
+    )
+    list_url = URL(f"{base}/jobs").replace(query=request.url.query)
 
     def link(rel: str, url: URL) -> dict[str, str]:
-        """Return a link to a part of the list."""
         return {"href": str(url), "rel": rel, "type": "application/json"}
 
     def read() -> Response:
-        """Return the reply; a thread reads the ledger."""
         jobs = []
-        if (known or not process) and (not kind or "process" in kind):
+        if (known_processes or not process) and (not kind or "process" in kind):
             jobs = admission.ledger.jobs(wanted, limit=limit + 1, after=parse_cursor(after))
-        links = [link("self", here)]
+        links = [link("self", list_url)]
         if len(jobs) > limit:
             last = jobs[limit - 1]
-            further = here.include_query_params(after=f"{last.created!r},{last.id}")
-            links.append(link("next", further))
-        shown = [status_info(job, base, waits=admission.waits()) for job in jobs[:limit]]
-        return json_reply({"jobs": shown, "links": links})
+            next_url = list_url.include_query_params(after=f"{last.created!r},{last.id}")
+            links.append(link("next", next_url))
+        statuses = [
+            status_info(job, base, waiting_reason=admission.waiting_reason())
+            for job in jobs[:limit]
+        ]
+        return json_reply({"jobs": statuses, "links": links})
 
     # One list of an owner at a time: those of many jobs leave threads to others.
     async with request.app.state.lists.slot(owner_of(request.scope)):
@@ -198,14 +201,16 @@ def get_job(number: Number, admission: AdmissionOf, base: BaseOf) -> Response:
     """Return the state of a job, its progress, and the time that is left."""
     job = find_job(admission, number)
     is_group = job.state in ("running", "successful") and admission.store.in_group(job.key).exists()
-    return json_reply(status_info(job, base, is_group=is_group, waits=admission.waits()))
+    return json_reply(
+        status_info(job, base, is_group=is_group, waiting_reason=admission.waiting_reason())
+    )
 
 
 @router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo,
                responses={**NO_JOB, **NOT_OWNER})  # fmt: skip
-def dismiss_job(number: Number, admission: AdmissionOf, base: BaseOf, who: WhoOf) -> Response:
+def dismiss_job(number: Number, admission: AdmissionOf, base: BaseOf, api_key: WhoOf) -> Response:
     """Dismiss a job; what is computed for it alone is stopped."""
-    job = admission.dismiss(number, who)
+    job = admission.dismiss(number, api_key)
     if job is None:
         raise no_such_job(number)
     return json_reply(status_info(job, base))
@@ -216,13 +221,13 @@ def dismiss_job(number: Number, admission: AdmissionOf, base: BaseOf, who: WhoOf
               responses={**NO_JOB, **NOT_OWNER, **NO_SHARING},
               openapi_extra=SHARING_BODY, dependencies=[hold_slot()])  # fmt: skip
 def share_job(
-    number: Number, body: Body, admission: AdmissionOf, base: BaseOf, who: WhoOf
+    number: Number, body: Body, admission: AdmissionOf, base: BaseOf, api_key: WhoOf
 ) -> Response:
     """Let holders of all access keys read a job and its results, or only its owner."""
-    job = admission.share_job(number, read_sharing(body), who)
+    job = admission.share_job(number, read_sharing(body), api_key)
     if job is None:
         raise no_such_job(number)
-    return json_reply(status_info(job, base, waits=admission.waits()))
+    return json_reply(status_info(job, base, waiting_reason=admission.waiting_reason()))
 
 
 @router.get(
@@ -239,32 +244,36 @@ def share_job(
     },
 )
 async def follow_job(
-    request: Request, number: Number, admission: AdmissionOf, base: BaseOf, who: WhoOf
+    request: Request, number: Number, admission: AdmissionOf, base: BaseOf, api_key: WhoOf
 ) -> Response:
     """Return the changes of a job's state and progress as server-sent events."""
     await asyncio.to_thread(find_job, admission, number)
     keys: Keys = request.app.state.keys
 
-    async def over() -> bool:
+    async def has_ended() -> bool:
         """True if the stream has to end: the service stops or the key is no longer in force."""
         if request.app.state.stopping.is_set():
             return True
-        if who == NOBODY:
+        if api_key == NOBODY:
             return False
         if keys.is_due:
-            await asyncio.to_thread(keys.look)
-        found = keys.of_hash(who.hash)
-        return found is None or not found.stands(time.time())
+            await asyncio.to_thread(keys.refresh)
+        key = keys.of_hash(api_key.hash)
+        return key is None or not key.in_force(time.time())
 
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     if request.method == "HEAD":
         return without_length("text/event-stream", headers)
-    events = _events(admission, number, who, base, over)
+    events = _events(admission, number, api_key, base, has_ended)
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)
 
 
 async def _events(
-    admission: Admission, number: str, who: Key, base: str, over: Callable[[], Awaitable[bool]]
+    admission: Admission,
+    number: str,
+    api_key: Key,
+    base: str,
+    has_ended: Callable[[], Awaitable[bool]],
 ) -> AsyncIterator[bytes]:
     """Yield a server-sent event whenever a job's state or progress changes, until it ends.
 
@@ -274,25 +283,25 @@ async def _events(
         Reads the job.
     number : str
         The job's identifier.
-    who : Key
+    api_key : Key
         The API key of the reader; the stream ends when it may no longer read the job.
     base : str
         Address of the service, for links.
-    over : callable
+    has_ended : callable
         Awaited before each look; True ends the stream.
     """
-    sent, at = None, time.monotonic()
-    while not await over():
-        job = await asyncio.to_thread(admission.job, number, who)
+    sent, sent_at = None, time.monotonic()
+    while not await has_ended():
+        job = await asyncio.to_thread(admission.job, number, api_key)
         if job is None:
             return
         if (job.state, job.done) != sent:
-            sent, at = (job.state, job.done), time.monotonic()
-            status = orjson.dumps(status_info(job, base, waits=admission.waits()))
+            sent, sent_at = (job.state, job.done), time.monotonic()
+            status = orjson.dumps(status_info(job, base, waiting_reason=admission.waiting_reason()))
             yield b"event: status\ndata: " + status + b"\n\n"
             if job.state not in ACTIVE:
                 return
-        elif time.monotonic() - at > SIGN_OF_LIFE:
-            at = time.monotonic()
+        elif time.monotonic() - sent_at > SIGN_OF_LIFE:
+            sent_at = time.monotonic()
             yield b": alive\n\n"
-        await asyncio.sleep(LOOK)
+        await asyncio.sleep(POLL)

@@ -48,7 +48,7 @@ REL = "http://www.opengis.net/def/rel/ogc/1.0/"
 JSON = "application/json"
 OPENAPI = "application/vnd.oai.openapi+json;version=3.1"
 # s between looks at a job that a client waits for: short jobs are soon told, long ones cost little
-LOOK, LONGEST_LOOK = 0.05, 0.5
+POLL, LONGEST_POLL = 0.05, 0.5
 _NAME = Path(description="Identifier of a process.", max_length=100)
 
 
@@ -100,7 +100,7 @@ def list_processes(base: BaseOf) -> Response:
 def describe_process(process: Annotated[str, _NAME], base: BaseOf) -> Response:
     """Return a process with the schemas of what it takes and gives."""
     if process not in PROCESSES:
-        raise _missing(process)
+        raise _no_such_process(process)
     return json_reply(description(process, PROCESSES[process], base, _schema_of(process)))
 
 
@@ -161,7 +161,7 @@ async def execute(
     body: Body,
     settings: SettingsOf,
     admission: AdmissionOf,
-    who: WhoOf,
+    api_key: WhoOf,
     base: BaseOf,
 ) -> Response:
     """Carry out a study, or an execute request with the study under `inputs.study`.
@@ -171,10 +171,10 @@ async def execute(
     if `Prefer: wait` was long enough.
     """
     if process not in PROCESSES:
-        raise _missing(process)
+        raise _no_such_process(process)
     wishes = preferences(request.headers.getlist("prefer"))
     job = await _reply_or_job(
-        request, process, body, settings, admission, who, respond_async=wishes.respond_async
+        request, process, body, settings, admission, api_key, respond_async=wishes.respond_async
     )
     if isinstance(job, Response):
         return job
@@ -183,7 +183,7 @@ async def execute(
         wishes = replace(wishes, wait=seconds)  # as it is applied
         job = await _wait_for_job(request, admission, job, seconds)
         if job.state in ACTIVE and not wishes.respond_async:
-            await _dismiss_if_left(request, admission, job, who)
+            await _dismiss_if_left(request, admission, job, api_key)
     if job.state in ACTIVE or wishes.wait is None:
         reply = json_reply(status_info(job, base), 201)
     else:
@@ -201,7 +201,7 @@ async def _reply_or_job(
     body: bytes,
     settings: Settings,
     admission: Admission,
-    who: Key,
+    api_key: Key,
     *,
     respond_async: bool,
 ) -> Response | Job:
@@ -215,7 +215,7 @@ async def _reply_or_job(
         The request, the process, such as `sweep`, and the study or execute request as JSON.
     settings, admission : Settings, Admission
         The service's.
-    who : Key
+    api_key : Key
         The API key of the request.
     respond_async : bool
         True if the client asks for a job in any case.
@@ -225,30 +225,30 @@ async def _reply_or_job(
     ClientDisconnect
         If the client has left and has not asked for a job; a job that was posted is dismissed.
     """
-    task: bytes | Task
+    reply_or_task: bytes | Task
     if name == ACCURACY or respond_async:
         async with slot_of(request, len(body), POST):
-            task = await _task(request, name, body, settings, who)
+            reply_or_task = await _read_in_process(request, name, body, settings, api_key)
     else:
         async with slot_of(request, len(body)):
-            task = await _dataset_in_time(request, name, body, settings, who)
-    if isinstance(task, bytes):
-        return Response(task, media_type=JSON)
-    job = await run_in_threadpool(admission.post, task, who)
+            reply_or_task = await _dataset_in_time(request, name, body, settings, api_key)
+    if isinstance(reply_or_task, bytes):
+        return Response(reply_or_task, media_type=JSON)
+    job = await run_in_threadpool(admission.post, reply_or_task, api_key)
     if not respond_async:
-        await _dismiss_if_left(request, admission, job, who)
+        await _dismiss_if_left(request, admission, job, api_key)
     return job
 
 
-async def _dismiss_if_left(request: Request, admission: Admission, job: Job, who: Key) -> None:
+async def _dismiss_if_left(request: Request, admission: Admission, job: Job, api_key: Key) -> None:
     """Dismiss a job and raise `ClientDisconnect` if its client has left: nobody knows of it."""
     if await request.is_disconnected():
-        await run_in_threadpool(admission.dismiss, job.id, who)
+        await run_in_threadpool(admission.dismiss, job.id, api_key)
         raise ClientDisconnect
 
 
 async def _dataset_in_time(
-    request: Request, name: str, body: bytes, settings: Settings, who: Key
+    request: Request, name: str, body: bytes, settings: Settings, api_key: Key
 ) -> bytes | Task:
     """Compute a study for the reply to its request, or read its task if that takes too long.
 
@@ -264,7 +264,7 @@ async def _dataset_in_time(
         The execute request as JSON.
     settings : Settings
         Limits and times of the service.
-    who : Key
+    api_key : Key
         The API key, whose limit of cells holds.
 
     Returns
@@ -280,18 +280,20 @@ async def _dataset_in_time(
     seconds = settings.max_execution_seconds + settings.grace_seconds
     try:
         return await calculate_in_process(
-            request, execute_at_once, name, body, settings, who.cells, threads_of(request),
+            request, execute_at_once, name, body, settings, api_key.cells, threads_of(request),
             seconds=seconds,
         )  # fmt: skip
     except StoppedError:  # its process was ended, perhaps before the study was read
-        return await _task(request, name, body, settings, who)
+        return await _read_in_process(request, name, body, settings, api_key)
 
 
-async def _task(request: Request, name: str, body: bytes, settings: Settings, who: Key) -> Task:
+async def _read_in_process(
+    request: Request, name: str, body: bytes, settings: Settings, api_key: Key
+) -> Task:
     # On a busy machine the process may begin late.
     seconds = settings.max_execution_seconds + settings.grace_seconds
     return await calculate_in_process(
-        request, read_task, name, body, settings, who.cells, seconds=seconds
+        request, read_task, name, body, settings, api_key.cells, seconds=seconds
     )
 
 
@@ -313,17 +315,16 @@ async def _wait_for_job(request: Request, admission: Admission, job: Job, second
         Time after which the wait ends in any case [s].
     """
     stopping: Callable[[], bool] = request.app.state.stopping.is_set
-    until, look = time.monotonic() + seconds, LOOK
-    while job.state in ACTIVE and time.monotonic() < until and not stopping():
+    deadline, pause = time.monotonic() + seconds, POLL
+    while job.state in ACTIVE and time.monotonic() < deadline and not stopping():
         if await request.is_disconnected():
             break
-        await asyncio.sleep(min(look, max(0.0, until - time.monotonic())))
-        look = min(1.5 * look, LONGEST_LOOK)
-        with contextlib.suppress(
-            OSError, sqlite3.OperationalError
-        ):  # the client is to learn of its job
-            found = await asyncio.to_thread(admission.ledger.job, job.id)
-            job = found or job
+        await asyncio.sleep(min(pause, max(0.0, deadline - time.monotonic())))
+        pause = min(1.5 * pause, LONGEST_POLL)
+        # The client is to learn of its job, though the ledger cannot be read.
+        with contextlib.suppress(OSError, sqlite3.OperationalError):
+            latest = await asyncio.to_thread(admission.ledger.job, job.id)
+            job = latest or job
     return job
 
 
@@ -338,6 +339,6 @@ def _applied_preferences(wishes: Preferences) -> str:
     return ", ".join(words)
 
 
-def _missing(process: str) -> NoSuchProcessError:
+def _no_such_process(process: str) -> NoSuchProcessError:
     known = ", ".join(PROCESSES)
     return NoSuchProcessError(f"There is no process '{process[:80]}'. The processes are {known}.")

@@ -37,10 +37,10 @@ from vibrafeed.app.web.routes.zarr import ZarrKey
 from vibrafeed.app.web.tables import (
     TABLES,
     ResultForm,
+    available_tables,
     missing_packages,
     most_rows,
     table_reply,
-    tables_there,
     writer_version,
 )
 from vibrafeed.core.dataset.frame import Frame
@@ -108,18 +108,18 @@ async def get_dataset(
 
     Ranges of NetCDF and JSON can be asked for.
     """
-    chosen = form or form_for(request, FORMS | tables_there(), missing=missing_packages())
-    found = await run_in_threadpool(_stored_table, request, admission, number, chosen)
-    if isinstance(found, Response):
-        reply = found
+    chosen = form or form_for(request, FORMS | available_tables(), missing=missing_packages())
+    stored = await run_in_threadpool(_stored_dataset, request, admission, number, chosen)
+    if isinstance(stored, Response):
+        reply = stored
     else:
-        path, etag = found
-        lane = request.app.state.large_slices
-        most = most_rows(settings, chosen, settings.max_table_rows)
+        path, etag = stored
+        limiter = request.app.state.large_slices
+        rows = most_rows(settings, chosen, settings.max_table_rows)
         frame = await to_thread.run_sync(
-            lambda: Frame.of(read_netcdf(path, most_rows=most), most=most), limiter=lane
+            lambda: Frame.of(read_netcdf(path, most_rows=rows), most=rows), limiter=limiter
         )
-        reply = table_reply(frame, chosen, lane=lane)
+        reply = table_reply(frame, chosen, limiter=limiter)
         name = f"{path.parent.name[:12]}.{chosen}"
         reply.headers["Content-Disposition"] = f'attachment; filename="vibrafeed-{name}"'
         reply.headers.update({"ETag": etag, "Cache-Control": ASK_AGAIN})
@@ -127,7 +127,7 @@ async def get_dataset(
     return reply
 
 
-def _stored_table(
+def _stored_dataset(
     request: Request, admission: Admission, number: str, form: str
 ) -> Response | tuple[Path, str]:
     """Return the reply with a stored table, or the NetCDF file and ETag from which it is written.
@@ -150,10 +150,10 @@ def _stored_table(
     check_file(admission, job, path, digest)
     if form in TABLES:
         etag = etag_of(digest, writer_version(form))
-        known = not_modified(request, etag, ASK_AGAIN)
-        if known is None and request.method == "HEAD":
-            known = without_length(TABLES[form], {"ETag": etag, "Cache-Control": ASK_AGAIN})
-        return known or (path, etag)
+        reply = not_modified(request, etag, ASK_AGAIN)
+        if reply is None and request.method == "HEAD":
+            reply = without_length(TABLES[form], {"ETag": etag, "Cache-Control": ASK_AGAIN})
+        return reply or (path, etag)
     return file_reply(
         request,
         path,

@@ -10,11 +10,11 @@ from fastapi import Path, Query, Request
 from fastapi.responses import Response
 
 from vibrafeed.app.jobs.errors import NotFoundError
-from vibrafeed.app.kept_texts import study_schema_text
 from vibrafeed.app.web.downloads import made_document
 from vibrafeed.app.web.replies import OBJECT, Document, Router, cached_replies, json_reply, problems
 from vibrafeed.core.catalogue import describe, describe_all
 from vibrafeed.core.scenes import SCENES
+from vibrafeed.core.schema import study_schema
 
 router = Router(tags=["scenes"])
 
@@ -75,4 +75,4 @@ async def schema(request: Request) -> Response:
 
 @cache
 def _schema() -> bytes:
-    return orjson.dumps(orjson.loads(study_schema_text()))  # without line breaks
+    return orjson.dumps(study_schema())

@@ -48,9 +48,9 @@ from vibrafeed.app.web.replies import (
 from vibrafeed.app.web.shares import (
     POST,
     calculate_in_process,
+    client_check,
     hold_slot,
     large_slot_of,
-    look_at,
     slot_of,
     threads_of,
 )
@@ -59,10 +59,10 @@ from vibrafeed.app.web.sweep_document import SweepDescription
 from vibrafeed.app.web.tables import (
     TABLES,
     SliceForm,
+    available_tables,
     missing_packages,
     most_rows,
     table_reply,
-    tables_there,
     writer_version,
 )
 from vibrafeed.core.dataset.frame import Frame
@@ -121,7 +121,7 @@ AXIS_VALUES = {
     openapi_extra=STUDY_BODY,
 )
 async def post_sweep(
-    request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf
+    request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, api_key: WhoOf
 ) -> Response:
     """Check a study and keep it; equal studies share one identifier. Nothing is computed yet.
 
@@ -129,11 +129,11 @@ async def post_sweep(
     """
     async with slot_of(request, len(body), POST):
         key, text, document = await calculate_in_process(
-            request, read_sweep, body, settings, who.cells,
+            request, read_sweep, body, settings, api_key.cells,
             seconds=settings.max_execution_seconds + settings.grace_seconds,
         )  # fmt: skip
-    is_new = await run_in_threadpool(admission.keep, key, text, who)
-    shared = await run_in_threadpool(_is_shared, admission, key, who)
+    is_new = await run_in_threadpool(admission.keep_sweep, key, text, api_key)
+    shared = await run_in_threadpool(_is_shared, admission, key, api_key)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
         {**document, "shared": shared}, 201 if is_new else 200, headers={"Location": location}
@@ -150,9 +150,9 @@ async def post_sweep(
         s422="The identifier is malformed",
     ),
 )
-def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
+def get_sweep(key: SweepKey, admission: AdmissionOf, api_key: WhoOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
-    return json_reply(_describe_sweep(admission, key, admission.store.sweep(key), who))
+    return json_reply(_describe_sweep(admission, key, admission.store.sweep(key), api_key))
 
 
 @router.patch(
@@ -167,25 +167,26 @@ def get_sweep(key: SweepKey, admission: AdmissionOf, who: WhoOf) -> Response:
     openapi_extra=SHARING_BODY,
     dependencies=[hold_slot()],
 )
-def share_sweep(key: SweepKey, body: Body, admission: AdmissionOf, who: WhoOf) -> Response:
+def share_sweep(key: SweepKey, body: Body, admission: AdmissionOf, api_key: WhoOf) -> Response:
     """Let holders of all access keys read a sweep, or only those who have posted it."""
     sweep = admission.store.sweep(key)
-    admission.share_sweep(key, read_sharing(body), who)
-    return json_reply(_describe_sweep(admission, key, sweep, who))
+    admission.share_sweep(key, read_sharing(body), api_key)
+    return json_reply(_describe_sweep(admission, key, sweep, api_key))
 
 
-def _describe_sweep(admission: Admission, key: str, sweep: Prepared, who: Key) -> dict[str, Any]:
+def _describe_sweep(
+    admission: Admission, key: str, sweep: Prepared, api_key: Key
+) -> dict[str, Any]:
     """Return the description of a sweep, which says whether it is shared.
 
-    `key` is the sweep's identifier; `who` is the API key of the reader. An owner sees the sharing
-    of its own record; all others that of any owner.
+    An owner sees the sharing of its own record; all others that of any owner.
     """
-    return {**describe_sweep(key, sweep), "shared": _is_shared(admission, key, who)}
+    return {**describe_sweep(key, sweep), "shared": _is_shared(admission, key, api_key)}
 
 
-def _is_shared(admission: Admission, key: str, who: Key) -> bool:
-    is_own = admission.ownership.of(who.name, key) is not None and not who.sees_all
-    return admission.ownership.is_shared(who.name if is_own else None, key)
+def _is_shared(admission: Admission, key: str, api_key: Key) -> bool:
+    is_own = admission.ownership.of(api_key.name, key) is not None and not api_key.sees_all
+    return admission.ownership.is_shared(api_key.name if is_own else None, key)
 
 
 @router.get(
@@ -235,52 +236,53 @@ async def get_slice(
         for name, value in request.query_params.multi_items()
         if name not in ("output", "axes", "format")
     }
-    chosen = form or form_for(request, FORMS | tables_there(), missing=missing_packages())
-    names, most = axes.split(","), state.settings.max_slice_cells
-    written = writer_version(chosen) if chosen in TABLES else chosen
-    words = [f"{name}={value}" for name, value in sorted(fixed.items())]
-    etag = etag_of(key, np.__version__, written, output, axes, *words)
+    chosen = form or form_for(request, FORMS | available_tables(), missing=missing_packages())
+    names, max_cells = axes.split(","), state.settings.max_slice_cells
+    writer = writer_version(chosen) if chosen in TABLES else chosen
+    assignments = [f"{name}={value}" for name, value in sorted(fixed.items())]
+    etag = etag_of(key, np.__version__, writer, output, axes, *assignments)
     reply = not_modified(request, etag, FOR_EVER)
 
-    def look() -> tuple[Prepared, SliceCut, bytes | None]:
-        """Return the sweep, the slice not computed yet, and it encoded if it is small.
+    def prepare() -> tuple[Prepared, SliceCut, bytes | None]:
+        """Return the sweep, the slice not computed yet, and its values encoded if it is small.
 
         A second thread for a small slice would take as long again. A wrong request is refused here,
         before it waits.
         """
         sweep = state.store.sweep(key)
-        cut = prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
+        cut = prepare_cut(sweep, output=output, axes=names, at=fixed, most=max_cells)
         is_small = chosen in FORMS and request.method == "GET" and cut.grid.cells <= LARGE
         return sweep, cut, encode_slice(cut, chosen) if is_small else None
 
     if reply is not None:
-        await run_in_threadpool(state.store.sweep, key)  # what is not there is not unchanged
+        await run_in_threadpool(state.store.sweep, key)  # a removed sweep is 404, not 304
     else:
-        sweep, cut, made = await run_in_threadpool(look)
-        # Small ones do not wait for a thread behind large ones, nor an owner for another's.
-        lane = state.large_slices if cut.grid.cells > LARGE else None
-        turn = nullcontext() if lane is None else large_slot_of(request)
+        sweep, cut, encoded = await run_in_threadpool(prepare)
+        # Small slices wait neither for threads nor for slots of large ones.
+        is_large = cut.grid.cells > LARGE
+        limiter = state.large_slices if is_large else None
+        slot = large_slot_of(request) if is_large else nullcontext()
         media_type = (FORMS | TABLES)[chosen]
         if request.method == "HEAD":
             reply = without_length(media_type)
         elif chosen in TABLES:
-            rows = most_rows(state.settings, chosen, most)
-            async with turn:
+            rows = most_rows(state.settings, chosen, max_cells)
+            async with slot:
                 threads = threads_of(request)
                 frame = await to_thread.run_sync(
                     lambda: Frame.of(table_of(sweep, compute_slice(cut, threads)), most=rows),
-                    limiter=lane,
+                    limiter=limiter,
                 )
-            reply = table_reply(frame, chosen, lane=lane)
+            reply = table_reply(frame, chosen, limiter=limiter)
         else:
-            if made is None:
-                async with turn:  # in a thread it would hold up everybody's small ones
+            if encoded is None:
+                async with slot:  # in a thread it would hold up everybody's small ones
                     text = await run_in_threadpool(sweep.study.canonical)
-                    made = await calculate_in_process(
-                        request, encode_slice_of, text, output, names, fixed, most, chosen,
+                    encoded = await calculate_in_process(
+                        request, encode_slice_of, text, output, names, fixed, max_cells, chosen,
                         threads_of(request), seconds=state.settings.max_execution_seconds,
                     )  # fmt: skip
-            reply = Response(made, media_type=media_type)
+            reply = Response(encoded, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"
     return reply
@@ -307,7 +309,7 @@ async def get_netcdf(
     store: StoreOf,
     writer: WriterOf,
     admission: AdmissionOf,
-    who: WhoOf,
+    api_key: WhoOf,
 ) -> Response:
     """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
 
@@ -316,19 +318,19 @@ async def get_netcdf(
     """
     sweep = await run_in_threadpool(store.sweep, key)
     if request.method == "HEAD" and (
-        await writer.known(key) is None
-        or not await run_in_threadpool(admission.knows_result, key, who)
+        await writer.manifest_of(key) is None
+        or not await run_in_threadpool(admission.knows_result, key, api_key)
     ):
         writer.check(sweep)
-        return _not_made(key)
-    manifest = await writer.known(key)
+        return _reply_without_file(key)
+    manifest = await writer.manifest_of(key)
     if manifest is None:
         writer.check(sweep)
-    if not who.sees_all:
-        await run_in_threadpool(admission.take_result, key, sweep.bytes, who)
+    if not api_key.sees_all:
+        await run_in_threadpool(admission.take_result, key, sweep.bytes, api_key)
     if manifest is None:
         async with slot_of(request):
-            manifest = await writer.write(key, sweep, who, look_at(request))
+            manifest = await writer.write(key, sweep, api_key, client_check(request))
     return await asyncio.to_thread(
         file_reply,
         request,
@@ -343,7 +345,7 @@ def _filename(key: str) -> str:
     return f"vibrafeed-{key[:12]}.nc"
 
 
-def _not_made(key: str) -> Response:
+def _reply_without_file(key: str) -> Response:
     """Return the reply to HEAD for a file that only GET would compute: no length, no ETag."""
     headers = {"Cache-Control": ASK_AGAIN, "Accept-Ranges": "bytes"}
     headers["Content-Disposition"] = f'attachment; filename="{_filename(key)}"'

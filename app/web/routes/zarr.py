@@ -60,12 +60,13 @@ async def get_zarr(
     `xarray.open_zarr(".../sweeps/{key}/zarr")`. A chunk is computed when it is read, whatever the
     size of the sweep. HEAD tells sizes and ETags without computing anything.
     """
-    # Who reads many chunks takes no thread from another's small slice.
+    # A client that reads many chunks takes no thread from another's small slice.
     async with nullcontext() if path.endswith(".json") else slot_of(request):
         return await run_in_threadpool(_key_reply, request, views, key, path)
 
 
 def _key_reply(request: Request, views: ZarrViews, key: str, path: str) -> Response:
+    """Return the reply for a key of the Zarr group of a sweep."""
     view = views.view(key)
     missing = NotFoundError(
         f"This sweep has no Zarr key '{path[:80]}'. Open the address that ends in /zarr with a "
@@ -80,9 +81,9 @@ def _key_reply(request: Request, views: ZarrViews, key: str, path: str) -> Respo
         raise missing from None
     # The last bits of values are those of this version of numpy.
     etag = etag_of(key, np.__version__, path)
-    known = not_modified(request, etag, FOR_EVER)
-    if known is not None:
-        return known
+    unchanged = not_modified(request, etag, FOR_EVER)
+    if unchanged is not None:
+        return unchanged
     media_type = "application/json" if path.endswith(".json") else "application/octet-stream"
     headers = {"ETag": etag, "Cache-Control": FOR_EVER}
     if request.method == "HEAD":

@@ -5,40 +5,28 @@ from pathlib import Path
 import pytest
 
 from vibrafeed.app.cli.serve import _tell_of_older_data
-from vibrafeed.app.folders import cache_folder, data_folder
+from vibrafeed.app.folders import data_folder
 from vibrafeed.app.settings import Settings
 
 
 @pytest.mark.parametrize(
-    ("platform", "data", "cache", "folders"),
+    ("platform", "data", "folder"),
     [
-        ("linux", "", "", (".local/share/vibrafeed", ".cache/vibrafeed")),
-        ("linux", "/srv/share", "/var/tmp", ("/srv/share/vibrafeed", "/var/tmp/vibrafeed")),
-        ("linux", "share", "", (".local/share/vibrafeed", ".cache/vibrafeed")),  # no relative ones
-        (
-            "darwin",
-            "",
-            "",
-            ("Library/Application Support/vibrafeed", "Library/Caches/vibrafeed"),
-        ),
-        # The variables of others are none of Windows.
-        (
-            "win32",
-            "/srv/share",
-            "/var/tmp",
-            ("AppData/Local/vibrafeed", "AppData/Local/vibrafeed/Cache"),
-        ),
+        ("linux", "", ".local/share/vibrafeed"),
+        ("linux", "/srv/share", "/srv/share/vibrafeed"),
+        ("linux", "share", ".local/share/vibrafeed"),  # no relative ones
+        ("darwin", "", "Library/Application Support/vibrafeed"),
+        ("win32", "/srv/share", "AppData/Local/vibrafeed"),  # the variable of others
     ],
 )
-def test_folders_are_those_of_the_platform(platform, data, cache, folders, monkeypatch):
+def test_the_folder_is_that_of_the_platform(platform, data, folder, monkeypatch):
     home = Path("/home/ann")
     monkeypatch.setattr("sys.platform", platform)
     monkeypatch.setenv("HOME", str(home))
     monkeypatch.setenv("LOCALAPPDATA", str(home / "AppData" / "Local"))
     monkeypatch.setenv("XDG_DATA_HOME", data)
-    monkeypatch.setenv("XDG_CACHE_HOME", cache)
     monkeypatch.delenv("VIBRAFEED_DATA_DIRECTORY", raising=False)
-    assert (data_folder(), cache_folder()) == tuple(home / folder for folder in folders)
+    assert data_folder() == home / folder
     assert Settings().data_directory == data_folder()
     monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", "/data")
     assert Settings().data_directory == Path("/data")

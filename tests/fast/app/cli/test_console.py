@@ -171,22 +171,6 @@ def test_the_catalogue_has_units_equations_and_validity():
     }
 
 
-def test_the_schema_is_kept_until_a_source_changes(here, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(here))
-    made = [{"title": "made", "oneOf": []}]
-    monkeypatch.setattr("vibrafeed.core.schema.study_schema", made.pop)
-    assert json.loads(run("scenes --schema").output)["title"] == "made"
-    assert json.loads(run("scenes --schema").output)["title"] == "made"  # it is not made again
-    monkeypatch.setattr("vibrafeed.core.schema.study_schema", lambda: {"other": True})
-    for number in range(10):
-        monkeypatch.setattr("vibrafeed.app.kept_texts._digest", lambda number=number: str(number))
-        assert json.loads(run("scenes --schema").output) == {"other": True}
-    assert len(list((here / "vibrafeed").iterdir())) == 8
-    (here / "file").touch()
-    monkeypatch.setenv("XDG_CACHE_HOME", str(here / "file"))  # nothing can be kept there
-    assert json.loads(run("scenes --schema").output) == {"other": True}
-
-
 def test_help_and_version_have_their_usual_names():
     assert run("-h").stdout == run("--help").stdout
     assert "--force" in run("run -h").stdout

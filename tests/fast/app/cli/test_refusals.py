@@ -71,7 +71,6 @@ REFUSED = {
         2,
         "a cluster computes sweeps and simulations to Zarr, and studies with [reduce]",
     ),
-    "run study.toml --shares 2": (2, "There are no shares. --scheduler computes a study on"),
     # Formats.
     "run study.toml -o x.txt": (
         2,

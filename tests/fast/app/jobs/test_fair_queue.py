@@ -30,7 +30,7 @@ async def block(queue: FairQueue, order: list[str], share: str, seconds: float) 
     order.append(share)
     await turned()
     slot.since -= seconds
-    queue._leave(slot)
+    queue._release(slot)
 
 
 async def test_who_comes_late_is_next():
@@ -74,7 +74,7 @@ async def test_blocks_that_last_leave_a_place_to_others_where_there_are_some():
     other = asyncio.create_task(queue._take("more hours", 1000.0))
     await turned()
     assert not other.done()
-    queue._leave(await taken(queue, "small", 0.1))
+    queue._release(await taken(queue, "small", 0.1))
     await turned()
     assert not other.done()
     queue.resize(3)
@@ -89,16 +89,16 @@ async def test_who_gives_up_waiting_leaves_no_gap():
     await turned()
     given_up.cancel()
     await turned()
-    queue._leave(slot)
-    queue._leave(await asyncio.wait_for(waiting, PATIENCE))
+    queue._release(slot)
+    queue._release(await asyncio.wait_for(waiting, PATIENCE))
     slot = await queue._take("a", 1.0)
     given = asyncio.create_task(queue._take("d", 1.0))
     await turned()
-    queue._leave(slot)
+    queue._release(slot)
     given.cancel()  # with the slot in its hand
     await turned()
     await taken(queue, "e", 1.0)
-    assert set(queue._had) == {"e"}
+    assert set(queue._charged) == {"e"}
 
 
 async def test_who_is_cancelled_while_places_are_handed_out_takes_none():
@@ -108,10 +108,10 @@ async def test_who_is_cancelled_while_places_are_handed_out_takes_none():
     await turned()
     for task in waiting:  # as for a job of which a block has failed
         task.cancel()
-    queue._leave(first)
+    queue._release(first)
     await asyncio.gather(*waiting, return_exceptions=True)
     assert not queue.waiting
-    queue._leave(await taken(queue, "other", 1.0))
+    queue._release(await taken(queue, "other", 1.0))
 
 
 @pytest.mark.parametrize(

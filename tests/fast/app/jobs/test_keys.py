@@ -24,7 +24,7 @@ def test_a_key_is_found_by_its_hash_and_kept_nowhere(database, tmp_path):
     assert kept.hash == hashlib.sha256(made.encode()).hexdigest()
     assert kept.ends == pytest.approx(kept.created + 86_400)
     other = Keys(database)
-    other.look()
+    other.refresh()
     assert other.of_hash(hash_of(made)) == kept
     assert other.of_hash(hash_of("vf_other")) is None
     database.close()
@@ -50,45 +50,45 @@ def test_a_name_is_free_again_once_its_key_is_withdrawn_or_over(database):
     here.add(Key("lab", "read"), days=1e-6)
     time.sleep(0.1)
     here.add(Key("lab", "admin"))
-    assert [key.stands(time.time()) for key in here.all()] == [False, False, True]
+    assert [key.in_force(time.time()) for key in here.all()] == [False, False, True]
 
 
 def test_others_see_a_change_soon(database, monkeypatch):
     clock = [0.0]
     monkeypatch.setattr(keys.time, "monotonic", lambda: clock[0])
     here, there = Keys(database), Keys(database)
-    there.look()
+    there.refresh()
     assert not there.are_needed
     made, _ = here.add(Key("lab", "run"))
-    clock[0] = 0.9 * keys.LOOK
+    clock[0] = 0.9 * keys.CHECK_INTERVAL
     assert not there.is_due
-    clock[0] = 1.1 * keys.LOOK
+    clock[0] = 1.1 * keys.CHECK_INTERVAL
     assert there.is_due
-    there.look()
-    assert there.of_hash(hash_of(made)).stands(time.time())
+    there.refresh()
+    assert there.of_hash(hash_of(made)).in_force(time.time())
     here.withdraw("lab")
-    clock[0] = 2.3 * keys.LOOK
-    there.look()
-    assert not there.of_hash(hash_of(made)).stands(time.time())
+    clock[0] = 2.3 * keys.CHECK_INTERVAL
+    there.refresh()
+    assert not there.of_hash(hash_of(made)).in_force(time.time())
     assert there.are_needed, "withdrawing the last key has opened the service"
 
 
 def test_what_was_known_stays_while_the_ledger_cannot_be_read(database, monkeypatch):
     made, _ = Keys(database).add(Key("lab", "run"))
     found = Keys(database)
-    found.look()
+    found.refresh()
 
     def fails():
         raise OSError("gone")
 
     monkeypatch.setattr(found, "all", fails)
-    monkeypatch.setattr(found, "_looked", -100.0)
-    found.look()
+    monkeypatch.setattr(found, "_read_at", -100.0)
+    found.refresh()
     assert found.of_hash(hash_of(made)) is not None
     never = Keys(database)
     monkeypatch.setattr(never, "all", fails)
     with pytest.raises(OSError, match="gone"):
-        never.look()
+        never.refresh()
 
 
 def test_the_audit_keeps_the_latest(database):

@@ -77,7 +77,7 @@ def carried_out(store, content, *, cells=10):
 
 
 def test_studies_asked_for_last_stay_prepared_unless_they_are_gone(store, monkeypatch):
-    monkeypatch.setattr(studies, "MAX_KNOWN", 2)
+    monkeypatch.setattr(studies, "MAX_CACHED", 2)
     short, other, third = (added(store, changed(SWEEP, friction=n)) for n in (0.1, 0.2, 0.3))
     first = store.get(short)
     for key in (short, other, short, other):
@@ -95,12 +95,12 @@ def test_long_studies_stay_prepared_within_a_number_of_bytes(store, monkeypatch)
     long = ([shift / 1e6 + n / 1000 for n in range(500)] for shift in range(3))
     keys = [added(store, changed(SWEEP, friction=values)) for values in long]
     sizes = [(store.folder(key) / "study.json").stat().st_size for key in keys]
-    monkeypatch.setattr(studies, "MAX_KNOWN_BYTES", sizes[1] + sizes[2])
+    monkeypatch.setattr(studies, "MAX_CACHED_BYTES", sizes[1] + sizes[2])
     first, second, third = (store.get(key) for key in keys)
     assert store.get(keys[1]) is second
     assert store.get(keys[2]) is third
     assert store.get(keys[0]) is not first
-    monkeypatch.setattr(studies, "MAX_KNOWN_BYTES", 0)
+    monkeypatch.setattr(studies, "MAX_CACHED_BYTES", 0)
     assert store.get(keys[1]) is not store.get(keys[1])  # a study beyond the bound is not kept
 
 
@@ -171,7 +171,7 @@ def test_whoever_finishes_a_study_second_changes_nothing(store):
 
     def finish(number):
         return store.finish(
-            key, table, process="sweep", cells=35, blocks=number, seconds=1.0, more=pages
+            key, table, process="sweep", cells=35, blocks=number, seconds=1.0, write_more=pages
         )
 
     def pages(dataset, folder):
@@ -372,8 +372,8 @@ class TestDesk:
             admission(**tight).post(task(other))
         sweep = task(SWEEP)
         with pytest.raises(NoRoomError):
-            admission(**tight).keep(sweep.key, sweep.text)
-        assert admission(**loose).keep(sweep.key, sweep.text)
+            admission(**tight).keep_sweep(sweep.key, sweep.text)
+        assert admission(**loose).keep_sweep(sweep.key, sweep.text)
         assert store.get(identifier(prepare_content(SIMULATION).study)).cells == 35
 
     def test_what_nobody_has_used_is_removed(self, admission, store):
@@ -401,7 +401,7 @@ class TestDesk:
         for use in uses:
             os.utime(store.folder(key) / "study.json", (long_ago, long_ago))
             use()
-            assert store.used(key) > 2 * 365 * 86_400 + long_ago
+            assert store.last_use(key) > 2 * 365 * 86_400 + long_ago
 
     def test_tidying_removes_what_late_workers_and_killed_writers_left(self, admission, store):
         done, half = carried_out(store, SWEEP), added(store, SIMULATION)

@@ -54,14 +54,14 @@ class Workers:
             raise LostError(self.trouble)
 
     async def __call__(
-        self, function: Any, *arguments: Any, began: Callable[[], Any], grace: float
+        self, function: Any, *arguments: Any, on_start: Callable[[], Any], grace: float
     ) -> Any:
         name = function.__name__
         self.calls.append(name)
         call = asyncio.create_task(
             asyncio.to_thread(self.instead.get(name) or function, *arguments)
         )
-        await began()
+        await on_start()
         try:
             return await asyncio.shield(call)
         except asyncio.CancelledError:
@@ -108,7 +108,7 @@ def fail(error: Exception) -> None:
 
 @pytest.fixture(autouse=True)
 def soon(monkeypatch):
-    for name in ("LOOK", "POLL", "RETRY"):
+    for name in ("CHECK_INTERVAL", "POLL", "RETRY"):
         monkeypatch.setattr(f"vibrafeed.app.jobs.runner.{name}", 0.1)
 
 
@@ -139,7 +139,7 @@ async def test_a_job_waits_for_workers_and_says_so(tmp_path):
 
     async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: bool(runner._active))
-        assert runner.waits() == runner.fault() == "there are no workers"
+        assert runner.waiting_reason() == runner.fault() == "there are no workers"
         found = admission.ledger.job(job.id)
         assert (found.state, found.started) == ("accepted", None)
         workers.trouble = None

@@ -86,7 +86,7 @@ class TestDocuments:
     def test_the_schema_is_made_once_and_sent_to_whom_has_it_not(self, client, monkeypatch):
         first = client.get("/schema")
         assert len(first.content) <= 300_000
-        monkeypatch.setattr("vibrafeed.app.web.routes.scenes.study_schema_text", None)
+        monkeypatch.setattr("vibrafeed.app.web.routes.scenes.study_schema", None)
         again = client.get("/schema", headers={"If-None-Match": first.headers["etag"]})
         assert (again.status_code, again.content) == (304, b"")
         other = client.get("/schema", headers={"If-None-Match": '"another"'})
@@ -291,7 +291,7 @@ class TestSimulation:
         wish = {"Prefer": "respond-async"}
         assert client.post(PATH, json=SIMULATION, headers=wish).status_code == 201
         for slot in held:
-            client.portal.call(queue._leave, slot)
+            client.portal.call(queue._release, slot)
 
 
 class TestConvert:

@@ -455,4 +455,4 @@ def test_a_status_tells_time_left_and_what_is_waited_for(monkeypatch):
         (waiting, "there are no workers", "The job waits: there are no workers."),
         (running, "all workers are busy", "5 of 10 blocks are done."),
     ):
-        assert status_info(job, "", waits=waits)["message"] == message
+        assert status_info(job, "", waiting_reason=waits)["message"] == message

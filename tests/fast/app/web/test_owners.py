@@ -65,7 +65,7 @@ class House:
 
     def read_keys(self) -> None:
         """Have keys read again, as they are a second later."""
-        self.keys._looked = -100.0
+        self.keys._read_at = -100.0
 
     def sweep(self, ask: Any, number: int = 1) -> str:
         """Return the identifier of a sweep that was posted."""
@@ -219,7 +219,7 @@ class TestLimits:
             assert other("GET", f"/sweeps/{key}").status_code == 200
         held = [one for key in more if (one := house.admission.ownership.of("lab", key))]
         assert sum(one.bytes for one in held) <= 3 * size
-        assert house.admission.store.used(first) == 0
+        assert house.admission.store.last_use(first) == 0
         refused = ask("POST", EXECUTION, json=study(60, 2000), headers=ASYNC)
         assert "your key may store" in problem(refused, 507)["detail"]
         assert ask("GET", f"/sweeps/{more[-1]}").status_code == 200, "removed for nothing"
@@ -300,7 +300,7 @@ class TestOwners:
         one, two = house.key("one"), house.key("two")
         keys = [house.sweep(one, number) for number in range(3)]
         mine, *_ = [house.sweep(two, number) for number in range(10, 25)]
-        assert house.admission.store.used(mine) == 0, "nothing had to make room"
+        assert house.admission.store.last_use(mine) == 0, "nothing had to make room"
         for key in keys:
             assert one("GET", f"/sweeps/{key}").status_code == 200
         house.admission.ledger.close()

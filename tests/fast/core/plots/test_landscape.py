@@ -9,7 +9,7 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.text import Text
 
 import vibrafeed
-from vibrafeed.core.plots.landscape import Landscape, _draw_plane, _excluding
+from vibrafeed.core.plots.landscape import Landscape, _draw_plane, _with_nan_broken
 from vibrafeed.core.plots.style import LIGHT
 
 LOWER, UPPER, NODES = 0.25, 0.45, 9
@@ -104,7 +104,7 @@ def test_a_limit_without_a_value_here_and_there_excludes_and_has_its_edge():
     side = np.linspace(0.0, 1.0, 21)
     margin = side[:, None] - 0.5 + 0 * side
     margin[0, 0] = margin[-1, -1] = np.nan  # motions that did not settle
-    margin = _excluding(margin)
+    margin = _with_nan_broken(margin)
     assert max(margin[0, 0], margin[-1, -1]) < 0
     shown = Landscape((side, side), ("a", "b"), margin, "c", {"speed": margin}, np.empty((2, 0)))
     axes = LIGHT.sheet().add_subplot()
