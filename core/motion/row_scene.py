@@ -397,8 +397,8 @@ def row_of(names: tuple[str, ...]) -> Scene:
         "restitution above 0 the regime is not_supported). Mean values are those of the motion "
         "that the row finally reaches. Parts can have numbers of their own (part_friction_1, "
         "...). fixed_stop_gap or track_stop_gap puts a stop in front of the row, and "
-        "friction_spread samples the friction of its parts. With height, the regime tipping "
-        "shows where friction can tip a part.",
+        "friction_spread samples the friction of its parts. If the study gives height, the regime "
+        "tipping marks the cells in which friction can tip a part.",
         variants={
             "events": (
                 *_IN_PLANE,

@@ -71,8 +71,8 @@ DRIVE: dict[str, Quantity] = {
     **{
         f"duration_{n}": Quantity(
             "1", f"T{n}", f"Duration of step {n}",
-            f"Duration of step {n} relative to the other steps; together they fill the period.",
-            0.0, parameter=True, examples=("0.25",),
+            f"Duration of step {n} of the drive, relative to the other steps. All steps together "
+            "fill the period.", 0.0, parameter=True, examples=("0.25",),
         )
         for n in _STEPS
     },
@@ -392,7 +392,7 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "generalised_mass": Quantity(
         "kg", "m", "Mass of the stroke",
-        "Effective mass that the stroke of the empty unit moves if the base is free."
+        "Effective mass in the vibration of the empty unit along its stroke, if the base is free."
     ),
     "loaded_mass": Quantity("kg", "m_1", "Moving mass with load", "Moving mass with the load."),
     "loaded_inertia": Quantity(
@@ -401,7 +401,7 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "bowl_mass": Quantity(
         "kg", "m", "Mass of the stroke with load",
-        "Effective mass that the stroke of the loaded unit moves if the base is free."
+        "Effective mass in the vibration of the loaded unit along its stroke, if the base is free."
     ),
     "damping": Quantity("N s m-1", "c", "Damping of the springs",
     "Damping coefficient between moving mass and base, in parallel with the leaf springs."),
@@ -437,7 +437,8 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "turning_mass": Quantity(
         "kg", "m", "Mass of the turning stroke",
-        "Effective mass that the stroke moves in a loaded unit whose trough and base also turn."
+        "Effective mass in the vibration of the loaded unit along its stroke, if trough and base "
+        "also rotate."
     ),
     "trough_turn": Quantity(
         "rad", "phi", "Turn of the trough",
@@ -465,12 +466,13 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "effective_damping": Quantity(
         "N s m-1", "c_e", "Effective damping by the parts",
-        "Damping between track and ground by the parts on the track, as the drive feels it.",
+        "Damping between track and ground that the parts on the track cause, as the drive feels "
+        "it.",
     ),
     "largest_amplitude": Quantity(
         "m", "A_0", "Largest amplitude",
-        "Largest amplitude at which drive and parts agree; a unit that starts from rest reaches "
-        "the smallest one.",
+        "Largest track amplitude at which drive and parts agree. A unit that starts from rest "
+        "reaches the smallest such amplitude.",
     ),
     "leaf_frequency": Quantity(
         "Hz", "f_1", "Natural frequency of a leaf",

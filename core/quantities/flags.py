@@ -95,11 +95,11 @@ REGIMES: dict[str, Flag] = {
     "resonance": Flag(36, "the drive is at the natural frequency: small changes have "
     "large effects"),
     "tuned_stiff": Flag(37,
-        "the natural frequency is above the drive's: more load raises the amplitude, more springs "
-        "lower it"),
+        "the natural frequency is above the drive frequency: more load raises the amplitude, more "
+        "springs lower it"),
     "tuned_soft": Flag(38,
-        "the natural frequency is below the drive's: more load lowers the amplitude, more springs "
-        "raise it"),
+        "the natural frequency is below the drive frequency: more load lowers the amplitude, more "
+        "springs raise it"),
     "hits_magnet": Flag(39, "the stroke closes the air gap of the magnet", of_value=True),
     "overstressed": Flag(40, "the leaf springs are bent beyond their allowable "
     "stress", of_value=True),
@@ -112,7 +112,7 @@ REGIMES: dict[str, Flag] = {
     "hunting": Flag(
         43,
         "the motion of the parts changes at the amplitude at which drive and parts would agree: "
-        "the amplitude is known to 3 %"
+        "the amplitude is known only to 3 %"
     ),
     # --- which way up
     "unstable_side": Flag(44, "the part does not lie on its side: it rolls on over a rim"),
@@ -156,7 +156,7 @@ REGIMES: dict[str, Flag] = {
     "thrown_load": Flag(
         59,
         "parts above a throw number of 2 load the unit: their harmonics, which the model "
-        "neglects, move the track, so that the amplitude is known to 1 or 2 %",
+        "neglects, move the track, so that the amplitude is known only to 1 or 2 %",
     ),
 }  # fmt: skip
 
@@ -168,7 +168,7 @@ MOTION_STATUSES: dict[str, Flag] = {
     "runaway": Flag(4, "the part gains speed without limit; it has no mean velocity", valid=False),
     "neutral": Flag(5, "nothing conveys the part: it keeps the speed that it has at the start"),
     "limit_reached": Flag(
-        6, "a limit, or rounding, ended the simulation before a result", valid=False
+        6, "a limit, or rounding, stopped the simulation before it had a result", valid=False
     ),
     "no_solution": Flag(7, "the contact laws had no solution, or several", valid=False),
     "settled": Flag(8, "the part has come to rest on a side"),

@@ -11,7 +11,8 @@ ISOLATED: dict[str, Quantity] = {
         180.0, "20 deg",
     ),
     "pitch_rate": Quantity(
-        "rad s-1", "xi.", "Pitch rate", "Angular velocity of the pitch, clockwise.", parameter=True,
+        "rad s-1", "xi.", "Pitch rate",
+        "Angular velocity of the part's pitch; clockwise is positive.", parameter=True,
         examples=("2 rad/s", "-90 deg/s"),
     ),
     "centre_along": Quantity(
@@ -24,7 +25,7 @@ ISOLATED: dict[str, Quantity] = {
     ),
     "velocity_along": Quantity(
         "m s-1", "x.", "Velocity along the plane",
-        "Velocity of the part's centre along the plane, to the right.", parameter=True,
+        "Velocity of the part's centre along the plane; positive to the right.", parameter=True,
         examples=("0.1 m/s",),
     ),
     "velocity_upward": Quantity(
@@ -72,13 +73,14 @@ ISOLATED: dict[str, Quantity] = {
         "Position of the corner along the plane."),
     "gap_normal_rate": velocity("g_N.", "Gap rate", "Velocity of the corner away from the plane."),
     "gap_tangential_rate": velocity(
-        "g_T.", "Slip velocity", "Velocity of the corner along the plane, to the right."
+        "g_T.", "Slip velocity", "Velocity of the corner along the plane; positive to the right."
     ),
     "gap_normal_acceleration": acceleration(
         "g_N..", "Second gap rate", "Acceleration of the corner away from the plane."
     ),
     "gap_tangential_acceleration": acceleration(
-        "g_T..", "Slip acceleration", "Acceleration of the corner along the plane, to the right."
+        "g_T..", "Slip acceleration",
+        "Acceleration of the corner along the plane; positive to the right."
     ),
     "free_normal_acceleration": acceleration(
         "chi", "Free acceleration off the plane",
@@ -120,7 +122,8 @@ ISOLATED: dict[str, Quantity] = {
         "1", "case", "Contact case", "Number of the case of the contact.", bundle=True
     ),
     "friction_force": force(
-        "lambda_T", "Friction force", "Friction force of the plane on the corner, to the right."
+        "lambda_T", "Friction force",
+        "Friction force of the plane on the corner; positive to the right."
     ),
     "acceleration_along": acceleration(
         "x..", "Centre acceleration along the plane",
@@ -131,22 +134,24 @@ ISOLATED: dict[str, Quantity] = {
         "Acceleration of the part's centre away from the plane."
     ),
     "pitch_acceleration": Quantity(
-        "rad s-2", "xi..", "Pitch acceleration", "Angular acceleration of the pitch, clockwise."
+        "rad s-2", "xi..", "Pitch acceleration",
+        "Angular acceleration of the part's pitch; clockwise is positive."
     ),
     "inverse_limiting_friction": Quantity(
         "1", "1/mu_c", "Inverse limiting friction",
-        "Inverse of the limiting friction of slip to the right; with the opposite sign, that of "
-        "slip to the left. If the value is not positive, no friction is limiting.",
+        "Inverse of the limiting friction coefficient for slip to the right; its negative is the "
+        "inverse for slip to the left. If the value is not positive, there is no limiting "
+        "friction.",
     ),
     "limiting_friction_right": Quantity(
         "1", "mu_c", "Limiting friction, right slip",
-        "Least coefficient of kinetic friction at which slip to the right may have two solutions "
-        "or none.",
+        "Least coefficient of kinetic friction at which a slip of the corner to the right may "
+        "have two solutions or none.",
     ),
     "limiting_friction_left": Quantity(
         "1", "mu_c", "Limiting friction, left slip",
-        "Least coefficient of kinetic friction at which slip to the left may have two solutions "
-        "or none.",
+        "Least coefficient of kinetic friction at which a slip of the corner to the left may have "
+        "two solutions or none.",
     ),
     "least_limiting_friction": Quantity(
         "1", "mu_min", "Least limiting friction",
@@ -155,15 +160,15 @@ ISOLATED: dict[str, Quantity] = {
     ),
     "least_limiting_pitch": Quantity(
         "degree", "xi_min", "Pitch of the least limiting friction",
-        "Pitch at which the limiting friction of slip to the right is least.",
+        "Pitch at which the limiting friction for slip to the right is least.",
     ),
     "impact_impulse_normal": Quantity(
         "N s", "Lambda_N", "Normal impulse without collision",
-        "Normal impulse that ends a slip for which no contact force is a solution; otherwise 0.",
+        "Normal impulse that ends a slip if no contact force satisfies the model; otherwise 0.",
     ),
     "impact_impulse_tangential": Quantity(
         "N s", "Lambda_T", "Friction impulse without collision",
-        "Friction impulse that ends a slip for which no contact force is a solution; otherwise 0.",
+        "Friction impulse that ends a slip if no contact force satisfies the model; otherwise 0.",
     ),
 }  # fmt: skip
 

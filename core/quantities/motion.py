@@ -150,14 +150,14 @@ RESULTS: dict[str, Quantity] = {
     ),
     "fastest_velocity": velocity(
         "v_O", "Fastest velocity",
-        "Largest mean velocity that any drive along the track gives with the same largest "
-        "acceleration. NaN if something drives the part off the floor or across the track, or if "
-        "the track descends.",
+        "Largest mean velocity that any drive along the track could give with the largest "
+        "acceleration of this drive. NaN if something drives the part off the floor or across the "
+        "track, or if the track descends.",
     ),
     "share_of_fastest": number(
         "v/v_O", "Share of the fastest velocity",
         "Conveying velocity divided by the largest velocity that any drive with the same largest "
-        "acceleration gives.",
+        "acceleration could give.",
     ),
     "stick_fraction": _fraction("Sticking share", "friction holds the part"),
     "forward_fraction": _fraction("Forward sliding share", "the part slides forward"),
@@ -165,8 +165,8 @@ RESULTS: dict[str, Quantity] = {
     "flight_fraction": _fraction("Flight share", "the part is off the floor"),
     "impacts_per_period": Quantity(
         "1", "", "Impacts per period",
-        "Number of impacts on the floor in one period of the drive. Of an endless run of ever "
-        "smaller hops, only the resolved impacts count.", count=True, compared=False,
+        "Number of impacts on the floor in one period of the drive. In a run of ever smaller "
+        "hops, only the impacts that the simulation resolves count.", count=True, compared=False,
     ),
     "period_multiple": Quantity(
         "1", "", "Period multiple",
@@ -368,8 +368,7 @@ OPTIMUM: dict[str, Quantity] = {
         "Number of points at which the outputs were computed."),
     "front_points": number(
         "", "Distinct points of the front",
-        "Number of different points on the front; 1 if there is no trade-off, because one choice "
-        "is best in both outputs.",
+        "Number of different points on the front. It is 1 if one choice is best in both outputs.",
     ),
     "knee": number("", "Knee of the front",
         "Mark of the knee, the point of the front that is farthest from the chord between its "

@@ -102,7 +102,8 @@ RESTING: dict[str, Quantity] = {
     ),
     "sides": Quantity(
         "1", "n", "Sides of the prism",
-        "Number of sides of a regular prism; diameter is that of the circle through its corners.",
+        "Number of sides of a regular prism; the parameter diameter is that of the circle through "
+        "its corners.",
         3.0,
         parameter=True, examples=("6",), usual=(3.0, 100.0),
     ),
@@ -151,10 +152,11 @@ RESTING: dict[str, Quantity] = {
         "Share of parts that come to rest in the aspect after they are thrown. The true share is "
         "between this and let_down_share; their difference is the error.",
     ),
-    "lying_height": Quantity("m", "h", "Height as it lies", "Height of the part in the aspect."),
+    "lying_height": Quantity("m", "h", "Height as it lies",
+        "Height of the part when it lies in the aspect."),
     "lying_length": Quantity(
         "m", "l", "Length as it lies",
-        "Longer side of the smallest rectangle around the part in the aspect, seen from above.",
+        "Longer side of the smallest rectangle around the part in the aspect, as seen from above.",
     ),
     "lying_width": Quantity(
         "m", "w", "Width as it lies",
@@ -206,7 +208,7 @@ RESTING: dict[str, Quantity] = {
     ),
     "rocking_rate": Quantity(
         "s-1", "p", "Rocking rate",
-        "Rate p of the part's fall from its edge: small tilts grow as exp(p t)."
+        "Rate p at which a part falls from the balance on its edge: small tilts grow as exp(p t)."
     ),
     "topple_speed": Quantity(
         "m s-1", "V", "Toppling speed",
@@ -339,11 +341,14 @@ def _ends() -> dict[str, Quantity]:
         "oriented_feed_rate": ("min-1", "q e*", "oriented feed rate"),
         "return_rate": ("min-1", "q (1 - eta)", "return rate"),
     }.items():
-        for end, sign, which in (("lower", "-", "Least"), ("upper", "+", "Largest")):
+        for end, sign, which, of_both in (
+            ("lower", "-", "Least", "smaller"),
+            ("upper", "+", "Largest", "larger"),
+        ):
             quantities[f"{name}_{end}"] = Quantity(
                 unit, f"({symbol}){sign}", f"{which} {words}",
-                f"{which} {words} of let-down parts and of thrown parts. With a drop test, it is "
-                f"the {end} end of the 95 % confidence interval.",
+                f"The {of_both} of two values of the {words}: for let-down parts and for thrown "
+                f"parts. With a drop test, it is the {end} end of the 95 % confidence interval.",
             )  # fmt: skip
     return quantities
 
@@ -368,7 +373,8 @@ ORIENTING: dict[str, Quantity] = {
     ),
     "shank_diameter": length(
         "d_s", "Diameter of the shank",
-        "Diameter of the shank of a part with a head; diameter is that of the head.", "4 mm"
+        "Diameter of the shank of a part with a head; the parameter diameter is that of the head.",
+        "4 mm"
     ),
     "device_order": Quantity(
         "1", "m", "Order of the devices",
