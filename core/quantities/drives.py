@@ -157,8 +157,8 @@ BOWL_TRACK: dict[str, Quantity] = {
     ),
     "load_fraction": _fraction(
         "Share of the track, load",
-        "Position on the track at which all parts on it are assumed to load the bowl, as a share "
-        "of the track's length.", "0.5",
+        "Position on the track where the load of all its parts is assumed to act, as a share of "
+        "the track's length.", "0.5",
     ),
     "stretches": Quantity("1", "", "Stretches", "Stretches of the track.", bundle=True),
     "passage": Quantity("1", "", "Passage", "Passage of parts along the whole track.", bundle=True),
@@ -428,7 +428,8 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "Stroke divided by the static deflection of the springs under the same force."),
     "second_harmonic": number(
         "4 A_2/A_1", "Second harmonic",
-        "Second harmonic of the track's acceleration divided by the first."
+        "Amplitude of the second harmonic of the track's acceleration, divided by that of the "
+        "first harmonic."
     ),
     "track_harmonic": Quantity(
         "1", "", "Second harmonic of the track",

@@ -119,7 +119,7 @@ REGIMES: dict[str, Flag] = {
     "stands": Flag(
         45, "the standing part does not rock, or twice the track's speed does not topple it"
     ),
-    "may_topple": Flag(46, "the drive may topple the standing part: simulate it"),
+    "may_topple": Flag(46, "the drive may topple the standing part; a simulation can decide"),
     "no_pass": Flag(47, "the devices let no part pass: all parts return to the bowl"),
     "passes": Flag(48, "parts pass"),
     # --- rows of parts

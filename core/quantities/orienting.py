@@ -318,11 +318,11 @@ def _shares() -> dict[str, Quantity]:
     for name, (words, _) in ASPECTS.items():
         quantities[f"passing_share_{name}"] = number(
             f"v_{name}", f"Share that passes, {words}",
-            f"Share of the parts arriving {words} that leave the line, in any aspect.",
+            f"Share of the parts arriving {words} that leave the line in any aspect.",
         )  # fmt: skip
         quantities[f"leaving_share_{name}"] = number(
             f"e_{name}", f"Share that leaves, {words}",
-            f"Share of all arriving parts that leave the line {words}.",
+            f"Share of all arriving parts that are {words} when they leave the line.",
         )  # fmt: skip
     return quantities
 

@@ -44,14 +44,14 @@ ROLLING: dict[str, Quantity] = {
     ),
     "yaw_rate": Quantity(
         "rad s-1", "theta.", "Yaw rate",
-        "Angular velocity of the rolling cylinder about the vertical, in the direction of "
-        "axis_yaw.",
+        "Angular velocity of the rolling cylinder about the vertical; positive in the direction "
+        "of axis_yaw.",
         parameter=True, examples=("2 rad/s",),
     ),
     "drilling_moment": Quantity(
         "N m", "M_z", "Drilling moment",
-        "Moment of the floor's friction about the vertical through the centre of the cylinder, in "
-        "the direction of axis_yaw.", parameter=True, examples=("0.1 mN m",),
+        "Moment of the floor's friction about the vertical through the centre of the cylinder; "
+        "positive in the direction of axis_yaw.", parameter=True, examples=("0.1 mN m",),
     ),
     "rolling_drive": acceleration(
         "D_eta", "Drive in rolling direction",

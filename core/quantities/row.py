@@ -92,8 +92,8 @@ ROW: dict[str, Quantity] = {
     **{
         f"part_position_{n}": Quantity(
             "m", f"x_{n}", f"Position, part {n}",
-            f"Position on the track of the centre of {_of_part(n)}. Position 0 is the place where "
-            "the rearmost part started.",
+            "Distance along the track from the starting point of the rearmost part to the centre "
+            f"of {_of_part(n)}.",
         )
         for n in _PARTS
     },

@@ -167,12 +167,13 @@ TRACK: dict[str, Quantity] = {
     ),
     "normal_acceleration": acceleration(
         "n0", "Normal acceleration",
-        "Normal force per mass of the floor on a part that stays on the floor; a negative value "
-        "means that the part lifts off.",
+        "Normal force of the floor on a part that stays on the floor, divided by the mass of the "
+        "part. A negative value means that the part lifts off.",
     ),
     "floor_acceleration": acceleration(
         "n", "Floor normal force per mass",
-        "Normal force of the floor on the part per mass, as the chosen variant computes it."
+        "Normal force of the floor on the part, divided by the mass of the part, as the chosen "
+        "variant computes it."
     ),
     "centripetal_acceleration": acceleration(
         "v^2/R", "Centripetal acceleration",
@@ -282,11 +283,13 @@ TRACK: dict[str, Quantity] = {
     "floor_force": force("N", "Floor normal force", "Normal force of the floor on the part."),
     "wall_balance": acceleration(
         "B", "Wall load",
-        "Load of the part on the wall per mass; negative if the part leaves the wall."
+        "Load of the part on the wall, divided by the mass of the part; negative if the part "
+        "leaves the wall."
     ),
     "wall_acceleration": acceleration(
         "s", "Wall force per mass",
-        "Total normal force of the wall on the part, across the track, per mass."
+        "Total normal force of the wall on the part, across the track, divided by the mass of the "
+        "part."
     ),
     "wall_force": force("S", "Wall force",
         "Total normal force of the wall on the part, across the track."),
@@ -302,7 +305,8 @@ TRACK: dict[str, Quantity] = {
         "Least speed at which the part stays in contact with the wall."),
     "z_residual": acceleration(
         "az_residual", "Residual of the vertical balance",
-        "Force normal to the floor that the model leaves unbalanced, per mass.",
+        "Force normal to the floor that the model leaves unbalanced, divided by the mass of the "
+        "part.",
     ),
     "pressure_offset_x": Quantity(
         "m", "e_x", "Centre of pressure, x",
