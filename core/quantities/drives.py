@@ -157,8 +157,8 @@ BOWL_TRACK: dict[str, Quantity] = {
     ),
     "load_fraction": _fraction(
         "Share of the track, load",
-        "Position on the track where the load of all its parts is assumed to act, as a share of "
-        "the track's length.", "0.5",
+        "Position on the track, as a share of the track's length, where the load of all parts on "
+        "the track is assumed to act.", "0.5",
     ),
     "stretches": Quantity("1", "", "Stretches", "Stretches of the track.", bundle=True),
     "passage": Quantity("1", "", "Passage", "Passage of parts along the whole track.", bundle=True),
@@ -189,7 +189,7 @@ BOWL_TRACK: dict[str, Quantity] = {
     ),
     "bottleneck_fraction": Quantity(
         "1", "x_b", "Share of the track, bottleneck",
-        "Position on the track at which the parts are slowest, as a share of the track's length.",
+        "Position on the track, as a share of the track's length, where the parts are slowest.",
     ),
     "bottleneck_radius": Quantity(
         "m", "R_b", "Radius of the bottleneck",
@@ -342,7 +342,7 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "force_exponent": _input(
         "1", "n", "Exponent of the force",
-        "Exponent of the growth of the force with the voltage: 2 for a magnet without saturation.",
+        "Exponent with which the force grows with the voltage: 2 for a magnet without saturation.",
         "2", strict=True,
     ),
     "measured_response": Quantity(

@@ -17,7 +17,7 @@ def _fraction(label: str, description: str) -> Quantity:
 
 _SPENT = {
     "friction": ("Friction", "friction dissipates while contacts slip"),
-    "impact": ("Impact", "impacts dissipate, including their friction"),
+    "impact": ("Impact", "impacts dissipate, including friction during impacts"),
     "drive": ("Drive", "the track supplies"),
 }
 _SPENT_PER = {
@@ -65,7 +65,8 @@ SCALES: dict[str, Quantity] = {
     ),
     "gravity_number_normal": number(
         "cg cd", "Share of gravity onto the floor",
-        "Component of gravity onto the floor (along -z), divided by gravity."
+        "Component of gravity normal to the floor, towards the floor (along -z), divided by "
+        "gravity."
     ),
     "hold_down": Quantity(
         "m s-2", "F/m", "Hold-down",
@@ -365,7 +366,7 @@ OPTIMUM: dict[str, Quantity] = {
         "bounds.",
     ),
     "evaluations": number("", "Evaluations",
-        "Number of points at which the outputs were computed."),
+        "Number of points at which the search computed the outputs."),
     "front_points": number(
         "", "Distinct points of the front",
         "Number of different points on the front. It is 1 if one choice is best in both outputs.",

@@ -60,13 +60,13 @@ def _resting_shares() -> dict[str, Quantity]:
         quantities[f"let_down_share_{name}"] = number(
             f"s_{name}", f"Share that rests {words}, let down",
             f"Share of parts that come to rest {where} after they are let down with negligible "
-            f"momentum. The true share is between this and thrown_share_{name}; their difference "
-            "is the error.",
+            f"momentum. The true share is between this value and thrown_share_{name}; their "
+            "difference is the error.",
         )  # fmt: skip
         quantities[f"thrown_share_{name}"] = number(
             f"t_{name}", f"Share that rests {words}, thrown",
             f"Share of parts that come to rest {where} after they are thrown. The true share is "
-            f"between this and let_down_share_{name}; their difference is the error.",
+            f"between this value and let_down_share_{name}; their difference is the error.",
         )  # fmt: skip
         quantities[f"counted_share_{name}"] = number(
             f"p_{name}", f"Share that rests {words}, counted",
@@ -144,13 +144,13 @@ RESTING: dict[str, Quantity] = {
     "let_down_share": number(
         "s", "Share that rests, let down",
         "Share of parts that come to rest in the aspect after they are let down with negligible "
-        "momentum. The true share is between this and thrown_share; their difference is the "
+        "momentum. The true share is between this value and thrown_share; their difference is the "
         "error.",
     ),
     "thrown_share": number(
         "t", "Share that rests, thrown",
         "Share of parts that come to rest in the aspect after they are thrown. The true share is "
-        "between this and let_down_share; their difference is the error.",
+        "between this value and let_down_share; their difference is the error.",
     ),
     "lying_height": Quantity("m", "h", "Height as it lies",
         "Height of the part when it lies in the aspect."),

@@ -158,7 +158,7 @@ TRACK: dict[str, Quantity] = {
     ),
     "gravity_normal": acceleration(
         "g_z", "Gravity onto the floor",
-        "Component of gravity normal to the floor, onto the floor (along -z)."
+        "Component of gravity normal to the floor, towards the floor (along -z)."
     ),
     "throw_number": Quantity(
         "1", "Gamma", "Throw number",
