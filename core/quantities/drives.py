@@ -57,7 +57,8 @@ DRIVE: dict[str, Quantity] = {
         parameter=True, examples=("0.1 mm",),
     ),
     "ellipse_tilt": angle(
-        "theta", "Tilt of the ellipse", "Angle of the ellipse's major axis above the track.", 180.0,
+        "theta", "Tilt of the ellipse",
+        "Angle above the track of the major axis of the ellipse on which the track moves.", 180.0,
         "15 deg",
     ),
     **{

@@ -208,7 +208,8 @@ RESTING: dict[str, Quantity] = {
     ),
     "rocking_rate": Quantity(
         "s-1", "p", "Rocking rate",
-        "Rate p at which a part falls from the balance on its edge: small tilts grow as exp(p t)."
+        "Rate p at which a part falls when it is balanced on its edge: small tilts grow as exp(p "
+        "t)."
     ),
     "topple_speed": Quantity(
         "m s-1", "V", "Toppling speed",

@@ -268,7 +268,7 @@ TRACK: dict[str, Quantity] = {
     ),
     "velocity_bound": velocity(
         "v_b", "Track speed bound",
-        "Largest speed of the track along x; friction cannot carry the part faster.",
+        "Largest speed of the track along x; friction cannot carry the part faster than this.",
     ),
     "suggested_distance": Quantity(
         "m", "(A0/2) cb ca", "Suggested effective distance",
