@@ -468,8 +468,7 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "effective_damping": Quantity(
         "N s m-1", "c_e", "Effective damping by the parts",
-        "Damping between track and ground that the parts on the track cause, as the drive feels "
-        "it.",
+        "Damping of the track by the parts on it, as that of a damper between track and ground.",
     ),
     "largest_amplitude": Quantity(
         "m", "A_0", "Largest amplitude",
