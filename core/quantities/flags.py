@@ -193,14 +193,16 @@ OPTIMUM_STATUSES: dict[str, Flag] = {
     "optimal": Flag(0, "no other choice within the bounds does better"),
     "flat": Flag(1, "the choice does not matter, for example without a drive"),
     "no_motion": Flag(
-        2, "no choice within the bounds moves the part forwards, in the mean or the worst case"
+        2,
+        "no choice within the bounds moves the part forwards (with uncertain parameters: in the "
+        "mean or the worst case)",
     ),
     "not_attained": Flag(
         3,
         "static friction still holds the part exactly at the optimum; right beside it the output "
         "jumps to the stated value",
     ),
-    "infeasible": Flag(4, "no choice keeps the bounds, limits and contacts", valid=False),
+    "infeasible": Flag(4, "no choice satisfies the bounds, limits and contacts", valid=False),
     "invalid": Flag(5, "an argument is not a number, or is out of its range", valid=False),
     "limit_reached": Flag(
         6, "the search reached its limit of steps before the last digit", valid=False
@@ -209,7 +211,9 @@ OPTIMUM_STATUSES: dict[str, Flag] = {
     "not_computed": Flag(8, "the study was stopped before this design", valid=False),
     "suboptimal": Flag(9, "a dense grid has a better point that the search missed", valid=False),
     "only_backward": Flag(
-        10, "every choice moves the part backwards on average, in the mean or the worst case"
+        10,
+        "every choice moves the part backwards on average (with uncertain parameters: in the mean "
+        "or the worst case)",
     ),
 }
 

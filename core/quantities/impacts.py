@@ -119,7 +119,9 @@ ISOLATED: dict[str, Quantity] = {
         "if it does not slip.",
     ),
     "contact_case": Quantity(
-        "1", "case", "Contact case", "Number of the case of the contact.", bundle=True
+        "1", "case", "Contact case",
+        "Case of the contact: 0 separation, 1 sliding, 2 stick, 3 two solutions, 4 no solution.",
+        bundle=True
     ),
     "friction_force": force(
         "lambda_T", "Friction force",

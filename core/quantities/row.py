@@ -100,7 +100,7 @@ ROW: dict[str, Quantity] = {
     "part_restitution": Quantity(
         "1", "e_p", "Restitution between parts",
         "Coefficient of restitution in a collision of two neighbouring parts: their relative "
-        "velocity afterwards over that before.", 0.0, 1.0,
+        "velocity after the collision divided by that before it.", 0.0, 1.0,
         parameter=True, examples=("0.3",),
     ),
     "friction_spread": Quantity(

@@ -144,8 +144,8 @@ CONE_SCENE = Scene(
     validity="The results are a snapshot at the peak of the drive, for a cone that is at rest "
     "relative to the track and rolls about the vertical through its apex. Its line of contact "
     "lies across the track unless axis_yaw turns it. If the cone slips, the values are those "
-    "that pure rolling would require. The required friction is that of the resultant force. "
-    "Rolling resistance is neglected.",
+    "that pure rolling would require. The required friction follows from the resultant force of "
+    "the floor. Rolling resistance is neglected.",
     variants={
         "physical": (
             *(e for e in PLANE if not e.gives.startswith("rotated")),
