@@ -254,10 +254,9 @@ LEAVES_THE_WALL = where(
 )  # fmt: skip
 VALIDITY = (
     "The part moves along the track. Rolling resistance is a moment c r n against the rotation, "
-    "with the "
-    "radius r and the load n. Without it the part is not conveyed, whatever the drive and the "
-    "friction. If the floor has too little friction for the part to roll all the time, or if the "
-    "part hops, its mean velocity is not known: the regime is rolls_and_slips."
+    "with the radius r and the load n. Without it the part is not conveyed, whatever the drive and "
+    "the friction. If the floor has too little friction for the part to roll all the time, or if "
+    "the part hops, its mean velocity is not known: the regime is rolls_and_slips."
 )
 
 
