@@ -536,8 +536,8 @@ def scene(
     Examples
     --------
     >>> card = vibrafeed.scene("rectangle-on-plane", method="events")
-    >>> card.parameters["friction"]["description"]
-    'Coulomb friction coefficient, static and kinetic alike.'
+    >>> card.parameters["frequency"]["description"]
+    'Frequency of the drive.'
     >>> card.outputs["conveying_velocity"]["unit"]
     'm s-1'
     """

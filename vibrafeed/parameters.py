@@ -339,7 +339,7 @@ ConeOnPlane = TypedDict("ConeOnPlane", {
     "gravity": m_per_s2, "friction": number, "friction_static": number, "height": m, "diameter": m,
     "mass": kg, "axis_yaw": degree, "small_diameter": m,
 }, total=False)
-# A contact that gives: restitution over speed, lined tracks.
+# Compliant contact: restitution over speed, lined tracks.
 SoftContact = TypedDict("SoftContact", {
     "frequency": Hz, "gravity": m_per_s2, "mass": kg, "restitution": number,
     "restitution_speed": m_per_s, "impact_speed": m_per_s, "contact_damping_ratio": number,

@@ -484,9 +484,7 @@ _OTHERS = {
                 f"drive_number_{axis}", partial(waves.bound, axis=place), "theory 13.14",
                 says=f"Return an upper bound of the drive acceleration {where}, over gravity [1].",
             )
-            for place, (axis, where) in enumerate(
-                (WHERE | {"normal": "normal to the floor"}).items()
-            )
+            for place, (axis, where) in enumerate(WHERE.items())
         ),
         Equation("throw_number", throw_number, "theory 13.14"),
         Equation("efficiency", efficiency, "theory 13.14"),

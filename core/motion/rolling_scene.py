@@ -253,10 +253,10 @@ LEAVES_THE_WALL = where(
     otherwise="contact",
 )  # fmt: skip
 VALIDITY = (
-    "Motion along the track. Rolling resistance is a couple c r n against the turning, r the "
-    "radius and n the load. A part without any is not conveyed, whatever the drive and the "
-    "friction. Where the floor has not the friction to roll all the time, or the part hops, its "
-    "mean velocity is not known: the regime is rolls_and_slips."
+    "The part moves along the track. Rolling resistance is a moment c r n against the rotation, "
+    "with the radius r and the load n. Without it the part is not conveyed, whatever the drive and "
+    "the friction. If the floor has too little friction for the part to roll all the time, or if "
+    "the part hops, its mean velocity is not known: the regime is rolls_and_slips."
 )
 
 
@@ -367,7 +367,7 @@ SCENES = {
     ROLLER: _scene(ROLLER, "Motion in time of a roller or ring, its axis across the track", 2.0),
     DISC: _scene(
         DISC, "Motion in time of a disc on its edge, its face against the wall", 2.0,
-        " The wall presses by the lean alone, through the centre, and rubs as the floor does "
-        "unless the study gives its own friction.",
+        " Only the lean presses the disc onto the wall, through the centre of the disc. By "
+        "default the wall has the friction of the floor.",
     ),
 }  # fmt: skip

@@ -392,12 +392,13 @@ def row_of(names: tuple[str, ...]) -> Scene:
         name=ROW,
         title="Motion in time of a row of parts in one lane",
         source=SOURCE,
-        validity="Equal faces, smooth and normal to the track; parts start at rest, and do not "
-        "rebound from the floor, so that all hop at once (restitution above 0: not_supported). "
-        "Mean values are those of the motion that the row falls into. Parts may have numbers of "
-        "their own (part_friction_1, ...); "
-        "fixed_stop_gap or track_stop_gap put a stop in front of the row, friction_spread draws "
-        "the frictions of its parts; with height, tipping is where friction can tip a part.",
+        validity="The faces of the parts are equal, smooth and normal to the track. The parts "
+        "start at rest and do not rebound from the floor, so that all parts hop at once (with "
+        "restitution above 0 the regime is not_supported). Mean values are those of the motion "
+        "that the row finally reaches. Parts can have numbers of their own (part_friction_1, "
+        "...). fixed_stop_gap or track_stop_gap puts a stop in front of the row, and "
+        "friction_spread samples the friction of its parts. If the study gives height, the regime "
+        "tipping marks the cells in which friction can tip a part.",
         variants={
             "events": (
                 *_IN_PLANE,

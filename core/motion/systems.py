@@ -197,8 +197,8 @@ DEFAULTS = {
     **feeding.DEFAULTS,
 }
 VALIDITY = (
-    "The part is a point with contact conditions: it does not tip. It starts at rest on the floor. "
-    "Mean values are those of the motion that it falls into."
+    "The part is a point with contact conditions, so that it does not tip. It starts at rest on "
+    "the floor. Mean values are those of the motion that it finally reaches."
 )
 
 
@@ -304,8 +304,8 @@ def _on_plate() -> Scene:
         name=plate.PLATE,
         title="Motion in time of a part on a plate without a wall",
         source="theory 13",
-        validity=VALIDITY + " The plate has no edge. Its turns are small, and the part feels the "
-        "displacement of the place that it is given.",
+        validity=VALIDITY + " The plate has no edge. Its rotations are small. The displacement of "
+        "the plate is that at the position given for the part, also while the part travels.",
         variants={name: equations(method) for name, method in plate.METHODS.items()},
         default_variant="events",
         conditions=dict.fromkeys(plate.METHODS, conditions),
@@ -391,9 +391,9 @@ SYSTEMS: dict[str, Scene] = {
         "Motion in time of a rectangular part on the track, with floor and wall",
         in_space=ON_TRACK,
         defaults={"delta": 0.0, "curvature_number": 0.0},
-        more=" The wall has the kinetic friction and the restitution of the floor unless the study "
-        "gives its own; its static friction is its kinetic one. The track is straight unless the "
-        "study gives its radius.",
+        more=" By default the wall has the kinetic friction and the restitution of the floor; its "
+        "static friction equals its kinetic friction. The track is straight unless the study gives "
+        "its radius.",
     ),
     plate.PLATE: _on_plate(),
     **tumbling_scene.SCENES,

@@ -412,9 +412,9 @@ def _scene(name: str, title: str, part: Callable[..., Body]) -> Scene:
         name=name,
         title=title,
         source="theory 2, 13",
-        validity="A rigid part in the vertical plane of the track, with one rotation: it strikes "
-        "the plane with its corners, rocks, slides, and comes to rest on a side. After many "
-        "impacts with much restitution its details depend on the last digit.",
+        validity="A rigid part moves in the vertical plane of the track, with one rotation. It "
+        "strikes the plane with its corners, rocks, slides, and comes to rest on a side. After "
+        "many impacts with high restitution, the details of the motion depend on rounding.",
         variants={
             "events": (
                 Equation("tumbling_part", part, "theory 2.1"),

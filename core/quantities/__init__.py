@@ -45,7 +45,8 @@ __all__ = [
 DESIGNS = {
     "design": Quantity(
         "1", "", "Design",
-        "Number of a design, from 1: of a row of a table, or of a pair of values.", count=True,
+        "Number of a design, counted from 1: a row of a table, or a set of parameter values.",
+        count=True,
     ),
 }  # fmt: skip
 """The axis of designs, along which parameters have one value each."""

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from vibrafeed.core.quantities.quantity import Quantity, length, number
 
 ASPECTS = {
-    "flat": ("flat", "on a face of length by width"),
-    "on_side": ("on a side", "on its side"),
+    "flat": ("flat", "flat (on a face of length by width)"),
+    "on_side": ("on a side", "on their side"),
     "on_end": ("on an end", "on an end"),
-    "upright": ("upright", "on the end of `diameter`"),
-    "inverted": ("inverted", "on the end of `small_diameter`"),
+    "upright": ("upright", "upright (on their first end)"),
+    "inverted": ("inverted", "inverted (on their second end, or a box upside down)"),
 }
 """How parts lie; those of one shape are numbered in the order in which its scene lists them."""
 
@@ -57,20 +57,20 @@ class PartAspect:
 def _resting_shares() -> dict[str, Quantity]:
     quantities = {}
     for name, (words, where) in ASPECTS.items():
-        plain = where.replace("`", "")
         quantities[f"let_down_share_{name}"] = number(
             f"s_{name}", f"Share that rests {words}, let down",
-            f"Share of parts that come to rest {plain}, let down with negligible momentum. The "
-            f"true share is between this and thrown_share_{name}: their distance is the error.",
+            f"Share of parts that come to rest {where} after they are let down with negligible "
+            f"momentum. The true share is between this value and thrown_share_{name}; their "
+            "difference is the error.",
         )  # fmt: skip
         quantities[f"thrown_share_{name}"] = number(
             f"t_{name}", f"Share that rests {words}, thrown",
-            f"Share of parts that come to rest {plain}, thrown. The true share is between this and "
-            f"let_down_share_{name}: their distance is the error.",
+            f"Share of parts that come to rest {where} after they are thrown. The true share is "
+            f"between this value and let_down_share_{name}; their difference is the error.",
         )  # fmt: skip
         quantities[f"counted_share_{name}"] = number(
             f"p_{name}", f"Share that rests {words}, counted",
-            f"Share of parts that come to rest {plain}, by the counts of a drop test.",
+            f"Share of parts that come to rest {where}, estimated by a drop test.",
         )  # fmt: skip
     return quantities
 
@@ -78,29 +78,33 @@ def _resting_shares() -> dict[str, Quantity]:
 RESTING: dict[str, Quantity] = {
     "small_diameter": Quantity(
         "m", "d_2", "Diameter of the other end",
-        "Diameter of the end opposite to that of diameter; 0 of a full cone.", 0.0, parameter=True,
+        "Diameter of the second end of the part, opposite the first; 0 for a full cone.",
+        0.0, parameter=True,
         examples=("12 mm",), usual=(1e-5, 5.0),
     ),
     "centre_of_mass": length(
         "z_c", "Height of the centre of mass",
-        "Distance of the centre of mass from the end of diameter; of a weighted box, its height "
-        "where that lies flat.", "8 mm",
+        "Distance of the centre of mass from the first end of the part; for a weighted box, its "
+        "height while the box lies flat.", "8 mm",
     ),
     "radius_of_gyration": length(
         "k", "Radius of gyration",
-        "Root of moment of inertia over mass, about a line across the part through its centre.",
+        "Radius of gyration of the part about a line through its centre, normal to its axis.",
         "7 mm",
     ),
     "mass_height": Quantity(
-        "m", "z_c", "Height of the centre", "Height of the centre of mass above the end of "
-        "diameter."
+        "m", "z_c", "Height of the centre",
+        "Height of the centre of mass above the first end of the part."
     ),
     "gyration": Quantity(
-        "m", "k", "Gyration", "Radius of gyration of the standing part across the push."
+        "m", "k", "Gyration",
+        "Radius of gyration of the standing part about a horizontal line, normal to the push."
     ),
     "sides": Quantity(
         "1", "n", "Sides of the prism",
-        "Sides of a regular prism; diameter is that of the circle through its corners.", 3.0,
+        "Number of sides of a regular prism; the parameter diameter is that of the circle through "
+        "its corners.",
+        3.0,
         parameter=True, examples=("6",), usual=(3.0, 100.0),
     ),
     "let_down_shares": Quantity(
@@ -110,111 +114,129 @@ RESTING: dict[str, Quantity] = {
         "1", "t", "Shares, thrown", "Share of thrown parts in each aspect.", bundle=True
     ),
     "counted_shares": Quantity(
-        "1", "p", "Shares by a test", "Posterior shares, one per aspect.", bundle=True
+        "1", "p", "Shares by a test",
+        "Share of the parts in each aspect by the drop test.", bundle=True
     ),
     "centre_heights": Quantity(
-        "m", "z", "Heights of the centre", "Height of the centre in each aspect.", bundle=True
+        "m", "z", "Heights of the centre",
+        "Height of the centre of mass in each aspect.", bundle=True
     ),
     "depths": Quantity(
         "m", "R - h", "Depths of the aspects",
-        "Height of the centre in each aspect below the highest that it can have.", bundle=True,
+        "Distance by which the centre of mass in each aspect is below its highest possible place.",
+        bundle=True,
     ),
     **_resting_shares(),
     "aspect": Quantity(
-        "1", "o", "Aspect", "Number of an aspect of a part from a file, the one of the lowest "
-        "centre of mass being 1.", 1.0, float(MAX_ASPECTS), parameter=True, examples=("1",),
+        "1", "o", "Aspect",
+        "Number of an aspect of a part from a file; aspect 1 has the lowest centre of mass.",
+        1.0, float(MAX_ASPECTS), parameter=True, examples=("1",),
     ),
     "part_density": Quantity(
-        "kg m-3", "rho", "Density of the part", "Density of a part from a file.", 0.0, strict=True,
+        "kg m-3", "rho", "Density of the part",
+        "Density of a part whose shape comes from a file.", 0.0, strict=True,
         parameter=True, examples=("7850 kg/m^3",), usual=(10.0, 23000.0),
     ),
-    "part_volume": Quantity("m3", "V", "Volume of the part", "Volume of a part from a file."),
-    "part_mass": Quantity("kg", "m", "Mass of the part", "Mass of a part from a file."),
+    "part_volume": Quantity("m3", "V", "Volume of the part",
+        "Volume of a part whose shape comes from a file."),
+    "part_mass": Quantity("kg", "m", "Mass of the part",
+        "Mass of a part whose shape comes from a file."),
     "let_down_share": number(
         "s", "Share that rests, let down",
-        "Share of parts that come to rest in the aspect, let down with negligible momentum. The "
-        "true share is between this and thrown_share: their distance is the error.",
+        "Share of parts that come to rest in the aspect after they are let down with negligible "
+        "momentum. The true share is between this value and thrown_share; their difference is the "
+        "error.",
     ),
     "thrown_share": number(
         "t", "Share that rests, thrown",
-        "Share of parts that come to rest in the aspect, thrown. The true share is between this "
-        "and let_down_share: their distance is the error.",
+        "Share of parts that come to rest in the aspect after they are thrown. The true share is "
+        "between this value and let_down_share; their difference is the error.",
     ),
-    "lying_height": Quantity("m", "h", "Height as it lies", "Height of the part in the aspect."),
+    "lying_height": Quantity("m", "h", "Height as it lies",
+        "Height of the part when it lies in the aspect."),
     "lying_length": Quantity(
         "m", "l", "Length as it lies",
-        "Longer side of the least rectangle about the part in the aspect, from above.",
+        "Longer side of the smallest rectangle around the part in the aspect, as seen from above.",
     ),
     "lying_width": Quantity(
         "m", "w", "Width as it lies",
-        "Width of the lane that the part needs in the aspect, its longer side along the lane.",
+        "Width of the lane that the part needs in the aspect, with its longer side along the lane.",
     ),
     "least_base": Quantity(
-        "m", "b_0", "Least half base", "Distance from the foot of the centre to the nearest edge."
+        "m", "b_0", "Least half base",
+        "Least horizontal distance from the centre of mass to an edge of the base."
     ),
     "standing_base_across": Quantity(
         "m", "b_y", "Half base across",
-        "Half of the base across the length: the shorter distance from the foot of the centre.",
+        "Half of the base across the part's length: the shorter horizontal distance from the "
+        "centre of mass to an edge.",
     ),
     "topple_slope_across": Quantity(
         "degree", "alpha_y", "Toppling slope across",
-        "Slope across the length of the part on which it topples, unless it slides before.",
+        "Slope across the part's length on which the part topples, unless it slides first.",
     ),
     "least_topple_slope": Quantity(
         "degree", "alpha_0", "Least toppling slope",
-        "Least slope, in any direction, on which the part topples, unless it slides before.",
+        "Least slope, in any direction, on which the part topples, unless it slides first.",
     ),
     "side_foot": number(
         "s/L_g", "Foot of the centre on the side",
-        "Place of the centre's foot along the side, from the end of diameter; outside of 0 to 1 "
-        "the part does not lie on its side.",
+        "Place on the part's side that is below the centre of mass: 0 at the first end, 1 at the "
+        "second end. Outside of this range the part does not lie on its side.",
     ),
     "long_side_share": number(
         "p_w", "Share with the long side along the wall",
-        "Share of flat parts that turn their long side to a wall "
-        "when pushed against it, without friction.",
+        "Share of flat parts that turn their long side to a wall when they are pushed against it "
+        "without friction.",
     ),
     "standing_base": Quantity(
-        "m", "b", "Half base", "Half of the base of the standing part, along the push."
+        "m", "b", "Half base", "Half of the standing part's base, measured along the push."
     ),
     "standing_centre": Quantity(
-        "m", "z_c", "Height of the standing part's centre", "Height of its centre of mass."
+        "m", "z_c", "Height of the standing part's centre",
+        "Height of the standing part's centre of mass."
     ),
-    "edge_distance": Quantity("m", "R", "Edge to centre", "Distance of the centre from the edge."),
+    "edge_distance": Quantity("m", "R", "Edge to centre",
+        "Distance of the centre of mass from the edge about which the part topples."),
     "topple_slope": Quantity(
         "degree", "alpha_c", "Toppling slope",
-        "Slope on which the standing part topples, unless it slides before.",
+        "Slope on which the standing part topples, unless it slides first.",
     ),
     "rocking_friction": number(
         "b/z_c", "Least friction of rocking",
-        "Friction below which the standing part slides and never rocks.",
+        "Coefficient of friction below which the standing part slides and never rocks.",
     ),
     "rocking_rate": Quantity(
-        "s-1", "p", "Rocking rate", "Rate at which the part falls from its edge."
+        "s-1", "p", "Rocking rate",
+        "Rate p at which a part falls when it is balanced on its edge: small tilts grow as exp(p "
+        "t)."
     ),
     "topple_speed": Quantity(
         "m s-1", "V", "Toppling speed",
-        "Speed from which the standing part topples if its foot stops at once.",
+        "Least speed at which the standing part topples if its foot is stopped suddenly.",
     ),
     "pulse_angle": Quantity(
-        "rad", "psi", "Start of rocking", "Phase of the half sine at which rocking starts."
+        "rad", "psi", "Start of rocking",
+        "Phase of the half-sine pulse at which the part starts to rock."
     ),
     "topple_acceleration": Quantity(
         "m s-2", "a", "Toppling acceleration",
-        "Peak of a half-sine pulse of the frequency that topples the standing part.",
+        "Peak of a half-sine acceleration pulse, at the drive frequency, that topples the "
+        "standing part.",
     ),
     "push_over_load": number(
         "|D|/n", "Largest push over load",
-        "Largest push along the track over the load on the floor, in a period of the drive.",
+        "Largest ratio of the push along the track to the load on the floor in a period of the "
+        "drive.",
     ),
     "rocking_margin": number(
         "", "Margin of rocking",
-        "The smaller of friction and the largest push over load, less the friction that rocking "
-        "needs. At 0 or below, the standing part never rocks.",
+        "The smaller of the friction coefficient and push_over_load, minus the friction that "
+        "rocking requires. At 0 or below, the standing part never rocks.",
     ),
     "topple_margin": Quantity(
         "m s-1", "", "Margin of toppling",
-        "Half of the toppling speed less the largest speed of the track along the floor.",
+        "Half of the toppling speed minus the largest speed of the track along the floor.",
     ),
 }  # fmt: skip
 
@@ -239,16 +261,17 @@ def _device(position: int) -> dict[str, Quantity]:
 
     return {
         "wiper_height": size(
-            "h", "Height of the wiper", "Height of a wiper's edge over the track: passes lower "
-            "parts.", "12 mm",
+            "h", "Height of the wiper",
+            "Height of the edge of a wiper above the track; lower parts pass.", "12 mm",
         ),
         "ledge_width": size(
-            "w", "Width of the ledge", "Width of a narrow track along the wall: passes parts whose "
-            "centre is above it.", "9 mm",
+            "w", "Width of the ledge",
+            "Width of a narrow track along the wall; parts pass if their centre of mass is above "
+            "it.", "9 mm",
         ),
         "gap_length": size(
-            "s", "Length of the gap", "Length of a gap in the track: passes parts longer than "
-            "twice that.", "8 mm",
+            "s", "Length of the gap",
+            "Length of a gap in the track; parts longer than twice the gap pass.", "8 mm",
         ),
         "passed_aspect": Quantity(
             "1", f"p{position}", f"Passing aspect{at}",
@@ -256,29 +279,35 @@ def _device(position: int) -> dict[str, Quantity]:
             float(MAX_ASPECTS), parameter=True, examples=("1",),
         ),
         "rail_width": size(
-            "r", "Width of the rails", "Distance of two rails: parts with a head hang in it by "
-            "their shank.", "5 mm",
+            "r", "Width of the rails",
+            "Distance between two rails; parts pass if they hang by their head, with the shank "
+            "between the rails.", "5 mm",
         ),
         "outlet_capacity": Quantity(
             "min-1", f"c{position}", f"Capacity{at}",
-            "Maximum number of parts per minute that pass a pressure "
-            "break or outlet.", 0.0, strict=True,
+            "Maximum number of parts per minute that pass a pressure break or an outlet.",
+            0.0, strict=True,
             parameter=True, examples=("120 1/min",),
         ),
         "turned_share": Quantity(
             "1", f"t{position}", f"Share turned{at}",
-            "Share of the parts of an aspect that a riser, step or wiper turns into another.",
+            "Share of the parts in one aspect that a riser, a step or a wiper turns into another "
+            "aspect.",
             0.0, 1.0, parameter=True, examples=("0.6",),
         ),
         "turn": Quantity(
             "1", f"o{position}", f"Turn{at}",
-            "Aspects before and after turning: 21 turns aspect 2 into aspect 1.", 12.0, 98.0,
+            "Aspects before and after turning, as two digits: 21 turns aspect 2 into aspect 1.",
+            12.0, 98.0,
             parameter=True, examples=("21",), words=PAIRS, other_words="{}",
         ),
     }  # fmt: skip
 
 
-END = "In orienting-line of let-down parts, unless a drop test counts; ends: _lower, _upper."
+END = (
+    "In orienting-line this is the value for let-down parts, or that of a drop test if the study "
+    "has one. The outputs with _lower and _upper are its limits."
+)
 """What a single number of a line stands for."""
 
 DEVICES = tuple(_device(1))
@@ -290,11 +319,11 @@ def _shares() -> dict[str, Quantity]:
     for name, (words, _) in ASPECTS.items():
         quantities[f"passing_share_{name}"] = number(
             f"v_{name}", f"Share that passes, {words}",
-            "Share of the parts that arrive in this aspect that leave the line in any.",
+            f"Share of the parts arriving {words} that leave the line in any aspect.",
         )  # fmt: skip
         quantities[f"leaving_share_{name}"] = number(
             f"e_{name}", f"Share that leaves, {words}",
-            "Share of all arriving parts that leave the line in this aspect.",
+            f"Share of all arriving parts that are {words} when they leave the line.",
         )  # fmt: skip
     return quantities
 
@@ -313,43 +342,51 @@ def _ends() -> dict[str, Quantity]:
         "oriented_feed_rate": ("min-1", "q e*", "oriented feed rate"),
         "return_rate": ("min-1", "q (1 - eta)", "return rate"),
     }.items():
-        for end, sign, which in (("lower", "-", "Least"), ("upper", "+", "Largest")):
+        for end, sign, which, of_both in (
+            ("lower", "-", "Least", "smaller"),
+            ("upper", "+", "Largest", "larger"),
+        ):
             quantities[f"{name}_{end}"] = Quantity(
                 unit, f"({symbol}){sign}", f"{which} {words}",
-                f"{which} {words}, let down or thrown; by a drop test, of 95 %.",
+                f"The {of_both} of two values of the {words}: for let-down parts and for thrown "
+                f"parts. With a drop test, it is the {end} end of the 95 % confidence interval.",
             )  # fmt: skip
     return quantities
 
 
 ORIENTING: dict[str, Quantity] = {
     "arrival_rate": Quantity(
-        "min-1", "q", "Arriving parts", "Parts a minute that arrive at the first device.", 0.0,
+        "min-1", "q", "Arriving parts",
+        "Number of parts per minute that arrive at the first device.", 0.0,
         strict=True, parameter=True, examples=("300 1/min",),
     ),
     "arrival_speed": Quantity(
-        "m s-1", "v", "Arriving speed", "Conveying velocity of the parts before the first device.",
+        "m s-1", "v", "Arriving speed",
+        "Conveying velocity of the parts ahead of the first device.",
         0.0, strict=True, parameter=True, examples=("60 mm/s",), usual=(1e-4, 2.0),
     ),
     "part_pitch": length("l_p", "Pitch of the parts",
-    "Distance from part to part in a row.", "22 mm"),
+    "Distance between the centres of neighbouring parts in a row.", "22 mm"),
     "wanted_aspect": Quantity(
-        "1", "o*", "Wanted aspect", "Number of the aspect in which parts are to leave.", 1.0,
+        "1", "o*", "Wanted aspect",
+        "Number of the aspect in which the parts are to leave the line.", 1.0,
         float(MAX_ASPECTS), parameter=True, examples=("1",),
     ),
     "shank_diameter": length(
         "d_s", "Diameter of the shank",
-        "Diameter of the shank of a part with a head; `diameter` is "
-        "that of the head.", "4 mm"
+        "Diameter of the shank of a part with a head; the parameter diameter is that of the head.",
+        "4 mm"
     ),
     "device_order": Quantity(
         "1", "m", "Order of the devices",
-        "Number of the order of the devices, in lexical order: 1 is the order of their positions, "
-        "the last one is backwards.", 1.0, 720.0, parameter=True, examples=("1",), count=True,
+        "Number of the order of the devices. The orders are sorted alphabetically: 1 is the order "
+        "of their places, the last number is the reverse order.",
+        1.0, 720.0, parameter=True, examples=("1",), count=True,
     ),
     **{
         f"drop_count_{k}": Quantity(
             "1", f"n{k}", f"Count of aspect {k}",
-            f"Parts of a drop test that came to rest in aspect {k}.", 0.0, parameter=True,
+            f"Number of parts in a drop test that came to rest in aspect {k}.", 0.0, parameter=True,
             examples=("129",),
         )
         for k in range(1, NUMBERED + 1)
@@ -359,8 +396,8 @@ ORIENTING: dict[str, Quantity] = {
         for place in range(1, MAX_DEVICES + 1)
         for name, quantity in _device(place).items()
     },
-    "aspect_sizes": Quantity("m", "", "Sizes", "Sizes of a part in each aspect.", bundle=True),
-    "devices": Quantity("1", "D", "Devices", "The devices of a line.", bundle=True),
+    "aspect_sizes": Quantity("m", "", "Sizes", "Sizes of the part in each aspect.", bundle=True),
+    "devices": Quantity("1", "D", "Devices", "Devices of a line.", bundle=True),
     "line": Quantity("1", "e", "Line", "Shares of parts that pass the devices of a "
     "line.", bundle=True),
     "thrown_line": Quantity(
@@ -368,67 +405,76 @@ ORIENTING: dict[str, Quantity] = {
         bundle=True,
     ),
     "counted_line": Quantity(
-        "1", "e", "Line by a test", "Shares that pass the line, by the drop test.", bundle=True
+        "1", "e", "Line by a test",
+        "Shares of parts that pass the devices of a line, by the drop test.", bundle=True
     ),
     "line_ends": Quantity(
         "1", "e", "Ends of the line",
-        "Shares that pass a line at both ends of what is known of the shares that arrive.",
+        "Shares of parts that pass a line at both limits of the shares that arrive.",
         bundle=True,
     ),
-    "drop_count": number("A", "Counts", "Counts of a drop test, and half a count an aspect."),
+    "drop_count": number("A", "Counts",
+        "Number of parts in the drop test, plus half a part for each aspect."),
     "yield": number(
-        "eta", "Yield", f"Share of the arriving parts that leave the line, in any aspect. {END}"
+        "eta", "Yield", f"Share of all arriving parts that leave the line, in any aspect. {END}"
     ),
     **_shares(),
     "leaving_wanted": number(
-        "e*", "Share that leaves as wanted", "Share of all arriving parts that leave as wanted."
+        "e*", "Share that leaves as wanted",
+        "Share of all arriving parts that leave the line in the wanted aspect."
     ),
-    "purity": number("e*/eta", "Purity", f"Share of the leaving parts that lie as wanted. {END}"),
+    "purity": number(
+        "e*/eta", "Purity", f"Share of the leaving parts that are in the wanted aspect. {END}"
+    ),
     "laps": number(
         "1/eta", "Laps",
-        f"Mean number of arrivals of a part until it leaves, in any aspect. {END}",
+        f"Mean number of laps that a part needs to leave the line, in any aspect. {END}",
     ),
     "laps_variance": number("var", "Variance of the laps",
-    "Variance of the number of laps that a part "
-    "needs."),
+    "Variance of the number of laps that a part needs to leave the line."),
     "laps_99": number(
-        "n_99", "Laps of 99 %", "Laps within which 99 of 100 parts leave, in any aspect."
+        "n_99", "Laps of 99 %",
+        "Number of laps within which 99 of 100 parts leave the line, in any aspect."
     ),
     "lap_time": Quantity(
-        "s", "T", "Time of a lap", "Time from the bowl to the first device and back.", 0.0,
+        "s", "T", "Time of a lap",
+        "Time that a part needs from the bowl to the first device and back.", 0.0,
         strict=True, parameter=True, examples=("40 s",),
     ),
     "time_per_part": Quantity(
         "s", "T/eta", "Time in the bowl",
-        "Mean time for which a part circulates until it leaves, in any aspect.",
+        "Mean time for which a part circulates in the bowl until it leaves the line, in any "
+        "aspect.",
     ),
     "line_yield": Quantity(
         "1", "eta", "Yield of the line",
-        "Share of the parts that pass the devices behind the track, in any aspect, as yield of "
+        "Share of the parts that pass the devices after the track, in any aspect: the yield of "
         "orienting-line.",
         0.0, 1.0, parameter=True, examples=("0.79",),
     ),
     "line_purity": Quantity(
         "1", "e*/eta", "Purity of the line",
-        "Share of the parts leaving the devices behind the track that lie as wanted, as purity of "
-        "orienting-line.",
+        "Share of the parts leaving the devices after the track that are in the wanted aspect: "
+        "the purity of orienting-line.",
         0.0, 1.0, parameter=True, examples=("1.0",),
     ),
     "line_feed_rate": _rate(
         "q eta", "Feed rate of the line",
-        f"Parts a minute that leave the line, in any aspect. {END}",
+        f"Number of parts per minute that leave the line, in any aspect. {END}",
     ),
     "oriented_feed_rate": _rate(
         "q e*", "Oriented feed rate",
-        "Parts a minute that leave the line in the wanted aspect: feed rate of the line times "
-        f"purity. {END}",
+        "Number of parts per minute that leave the line in the wanted aspect: the feed rate of the "
+        f"line times the purity. {END}",
     ),
     "return_rate": _rate(
         "q (1 - eta)", "Return rate",
-        f"Parts a minute that do not leave the line and fall back into the bowl. {END}",
+        "Number of parts per minute that do not leave the line and fall back into the bowl. "
+        f"{END}",
     ),
     "yield_deviation": Quantity(
-        "1", "s(eta)", "Deviation of the yield", "Standard deviation of the yield by a drop test.",
+        "1", "s(eta)", "Deviation of the yield",
+        "Standard deviation of the yield, estimated from a drop test.",
         error_of="yield",
     ),
     **_ends(),

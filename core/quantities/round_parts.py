@@ -13,12 +13,16 @@ from vibrafeed.core.quantities.quantity import (
 
 def _screw(name: str, label: str, what: str) -> dict[str, Quantity]:
     pitch = Quantity(
-        "m", "p", f"{label}, pitch", f"Moment along the wrench axis over force, of {what}."
+        "m",
+        "p",
+        f"{label}, pitch",
+        f"Pitch of the wrench of {what}: its moment along the wrench axis divided by its force.",
     )
     point = {
         f"{name}_axis_{direction}": Quantity(
             "m", f"r_{symbol}", f"{label}, axis point, {symbol}",
-            f"From the centre to the nearest point of the wrench axis of {what}, along +{symbol}.",
+            f"Component along +{symbol} of the vector from the part's centre to the nearest point "
+            f"of the wrench axis of {what}.",
         )
         for direction, symbol in (("normal", "n"), ("rolling", "eta"), ("axial", "sigma"))
     }  # fmt: skip
@@ -28,71 +32,83 @@ def _screw(name: str, label: str, what: str) -> dict[str, Quantity]:
 ROLLING: dict[str, Quantity] = {
     "axis_yaw": angle(
         "theta", "Yaw of the cylinder's axis",
-        "Turn of the rolling cylinder's axis in the floor plane as chapter 4 counts it: from +x "
-        "towards -y, clockwise seen from above.", 180.0, "30 deg",
+        "Angle by which the axis of the rolling cylinder is turned in the plane of the floor, "
+        "from +x towards -y (clockwise seen from above), as in chapter 4 of the thesis.",
+        180.0, "30 deg",
     ),
     "spin_rate": Quantity(
         "rad s-1", "phi.", "Spin rate",
-        "Angular velocity of the rolling cylinder about its axis; positive rolls along +eta.",
+        "Angular velocity of the rolling cylinder about its axis; a positive value rolls it along "
+        "+eta.",
         parameter=True, examples=("40 rad/s", "400 rpm"),
     ),
     "yaw_rate": Quantity(
-        "rad s-1", "theta.", "Yaw rate", "Rate of the cylinder's yaw, in the sense of axis_yaw.",
+        "rad s-1", "theta.", "Yaw rate",
+        "Angular velocity of the rolling cylinder about the vertical; positive in the direction "
+        "of axis_yaw.",
         parameter=True, examples=("2 rad/s",),
     ),
     "drilling_moment": Quantity(
         "N m", "M_z", "Drilling moment",
-        "Moment of all floor friction about the vertical through the centre, in the sense of "
-        "axis_yaw.", parameter=True, examples=("0.1 mN m",),
+        "Moment of the floor's friction about the vertical through the centre of the cylinder; "
+        "positive in the direction of axis_yaw.", parameter=True, examples=("0.1 mN m",),
     ),
     "rolling_drive": acceleration(
         "D_eta", "Drive in rolling direction",
-        "Drive acceleration at its peak, along +eta, horizontal and across the axis.",
+        "Peak drive acceleration along +eta, which is horizontal and normal to the cylinder's "
+        "axis.",
     ),
     "axial_drive": acceleration(
         "D_sigma", "Drive along the axis",
-        "Drive acceleration at its peak, along +sigma, the cylinder's axis.",
+        "Peak drive acceleration along +sigma, the axis of the cylinder.",
     ),
     "axial_friction_acceleration": acceleration(
         "F_sigma/m", "Axial friction per mass",
-        "Friction along the axis per mass that pure rolling requires; positive acts along -sigma.",
+        "Friction force per mass along the cylinder's axis that pure rolling requires; a positive "
+        "value acts along -sigma.",
     ),
     "rolling_friction": force(
         "F_eta", "Friction in rolling direction",
-        "Friction that pure rolling requires; positive acts along -eta.",
+        "Friction force in the rolling direction that pure rolling requires; a positive value "
+        "acts along -eta.",
     ),
     "axial_friction": force(
         "F_sigma", "Friction along the axis",
-        "Friction that pure rolling asks for along the axis; positive acts along -sigma.",
+        "Friction force along the cylinder's axis that pure rolling requires; a positive value "
+        "acts along -sigma.",
     ),
     "spin_acceleration": Quantity(
         "rad s-2", "phi..", "Spin acceleration",
-        "Angular acceleration about the cylinder's axis in pure rolling.",
+        "Angular acceleration of the cylinder about its axis in pure rolling.",
     ),
     "yaw_acceleration": Quantity(
         "rad s-2", "theta..", "Yaw acceleration",
-        "Angular acceleration about the vertical; 0 without a drilling moment.",
+        "Angular acceleration of the cylinder about the vertical; 0 without a drilling moment.",
     ),
     "printed_yaw_rate": Quantity(
         "rad s-1", "theta. (4.20)", "Yaw rate as printed",
-        "Yaw rate by (4.20) of the source, with the floor's resultant at mid-length. For "
-        "comparison only: it contradicts the source's (4.18) and (4.19).",
+        "Yaw rate by equation (4.20) of the thesis, with the floor's resultant force at "
+        "mid-length. It is for comparison only, because it contradicts (4.18) and (4.19) of the "
+        "thesis.",
     ),
     "pressure_offset_axial": Quantity(
         "m", "e", "Centre of pressure, axial",
-        "Offset of the floor's normal force from mid-length, along +sigma.",
+        "Distance along +sigma from the middle of the cylinder to the point where the floor's "
+        "normal force acts.",
     ),
     "required_friction": Quantity(
         "1", "mu_req", "Required friction coefficient",
-        "Least static friction coefficient with which the cylinder rolls without slip.",
+        "Least coefficient of static friction with which the round part rolls without slip.",
     ),
     "cone_margin": force(
         "mu_s N - |F|", "Margin in the friction cone",
-        "Static friction limit less the friction that pure rolling asks for; negative slips.",
+        "Limit of static friction minus the friction force that pure rolling requires; negative "
+        "if the cylinder slips.",
     ),
     "floor_wrench": Quantity(
         "1", "(F, M)", "Floor wrench",
-        "Force [N] of the floor and its moment [N m] about the centre, axes n, eta, sigma.",
+        "Force [N] of the floor on the part and its moment [N m] about the part's centre, in the "
+        "axes n, eta and sigma.",
         bundle=True,
     ),
     "floor_reduction": Quantity(
@@ -100,12 +116,12 @@ ROLLING: dict[str, Quantity] = {
     ),
     "force_wrench": Quantity(
         "1", "(F, M)", "Wrench of the force system",
-        "Resultant [N] of drive, gravity and floor, moment [N m] about the centre, axes n, eta, "
-        "sigma.", bundle=True,
+        "Resultant force [N] of drive, gravity and floor, and its moment [N m] about the part's "
+        "centre, in the axes n, eta and sigma.", bundle=True,
     ),
     "force_reduction": Quantity(
         "1", "(p, r)", "Wrench of the force system, reduced",
-        "Pitch and axis of the force system.", bundle=True,
+        "Pitch and axis of the wrench of drive, gravity and floor.", bundle=True,
     ),
     **_screw("floor", "Floor wrench", "the floor's forces"),
     **_screw("force", "Force system", "drive, gravity and floor together"),
@@ -115,36 +131,42 @@ ROLLING: dict[str, Quantity] = {
 ROUND_PARTS: dict[str, Quantity] = {
     "inner_diameter": Quantity(
         "m", "d_i", "Inner diameter",
-        "Diameter of the hole of a tube or ring, or of the hollow of a ball; the part's own of a "
-        "hoop or a thin shell.",
+        "Inner diameter of a tube, a ring or a hollow ball; equal to the diameter for a hoop or a "
+        "thin shell.",
         0.0, parameter=True, examples=("6 mm",), usual=(1e-5, 5.0),
     ),
     "rolling_factor": Quantity(
         "1", "kap", "Rolling factor",
-        "Ratio m r^2/I about the rolling axis: 5/2 of a ball, 3/2 of a thin shell, 2 "
-        "of a cylinder or disc, 1 of a hoop; follows from the diameters unless given.",
+        "Ratio m r^2/I about the rolling axis: 5/2 for a solid ball, 3/2 for a thin shell, 2 for "
+        "a cylinder or disc, 1 for a hoop. By default it follows from the diameters.",
         0.0, strict=True, parameter=True, examples=("2.5",),
     ),
     "rolling_share": number(
-        "kap/(1+kap)", "Rolling share", "Acceleration over push of a part that rolls."
+        "kap/(1+kap)", "Rolling share",
+        "Acceleration of a rolling part divided by the push on it (drive minus gravity)."
     ),
     "moved_fraction": number(
-        "|a|/|D|", "Moved fraction", "Acceleration of the ball's centre over the push on it."
+        "|a|/|D|", "Moved fraction",
+        "Acceleration of the ball's centre divided by the push on the ball (drive minus gravity)."
     ),
     "push_across_axis": acceleration(
         "D_eta", "Push across the axis",
-        "Drive at its peak less gravity along the floor, in rolling direction.",
+        "Peak drive acceleration minus gravity in the plane of the floor, in the rolling "
+        "direction.",
     ),
     "push_along_axis": acceleration(
         "D_sigma", "Push along the axis",
-        "Drive at its peak less gravity along the floor, along the axis or line of contact.",
+        "Peak drive acceleration minus gravity in the plane of the floor, along the axis or the "
+        "line of contact.",
     ),
     "axial_acceleration": acceleration(
-        "a_sigma", "Acceleration along the axis", "Acceleration of the centre along the axis."
+        "a_sigma", "Acceleration along the axis",
+        "Acceleration of the part's centre along the axis of the part."
     ),
     "rolling_acceleration": acceleration(
         "a_eta", "Acceleration across the axis",
-        "Acceleration of the centre in rolling direction, across the axis or line of contact.",
+        "Acceleration of the part's centre in the rolling direction, normal to the axis or the "
+        "line of contact.",
     ),
     "cone_half_angle": Quantity(
         "degree", "a", "Half angle of the cone", "Angle between the side of the cone and its axis."
@@ -156,105 +178,118 @@ ROUND_PARTS: dict[str, Quantity] = {
         "m", "k_a", "Gyration about the axis", "Radius of gyration of the cone about its axis."
     ),
     "cone_factor": number(
-        "F", "Factor of the cone", "Acceleration of a rolling cone's centre over the push on it."
+        "F", "Factor of the cone",
+        "Acceleration of a rolling cone's centre divided by the push on the cone (drive minus "
+        "gravity)."
     ),
     "turning_acceleration": Quantity(
         "rad s-2", "", "Turning acceleration",
         "Angular acceleration of a rolling cone about the vertical through its apex.",
     ),
     "net_push": acceleration(
-        "D - w", "Net push", "Push along the track less the friction of the wall."
+        "D - w", "Net push",
+        "Peak drive acceleration minus gravity along the track, reduced by the friction of the "
+        "wall."
     ),
     "wall_drag": force(
-        "m w", "Wall drag", "Friction force of the wall; positive acts along -x."
+        "m w", "Wall drag",
+        "Friction force of the wall on the disc; a positive value acts along -x."
     ),
     # --- contacts that give
     "restitution_speed": Quantity(
         "m s-1", "v_e", "Speed of the restitution",
-        "Speed of impact at which the restitution was measured.", 0.0, strict=True,
+        "Impact speed at which the coefficient of restitution was measured.", 0.0, strict=True,
         parameter=True, examples=("0.1 m/s",), usual=(1e-3, 20.0),
     ),
     "impact_speed": Quantity(
-        "m s-1", "v", "Impact speed", "Speed of approach normal to the contact.", 0.0,
+        "m s-1", "v", "Impact speed",
+        "Speed of approach normal to the contact, just before the impact.", 0.0,
         strict=True, parameter=True, examples=("0.2 m/s",), usual=(1e-4, 20.0),
     ),
     "contact_damping_ratio": Quantity(
         "1", "zeta", "Damping ratio of the contact",
-        "Damping ratio of the spring and damper of a contact that "
-        "never pulls.", 0.0, parameter=True,
+        "Damping ratio of a contact that is modelled as a spring and a damper that never pull.",
+        0.0, parameter=True,
         examples=("0.2",),
     ),
     "lining_stiffness": Quantity(
         "N m-1", "k", "Stiffness of the lining",
-        "Force over depth of a part on a lined track, such as brush or urethane.", 0.0,
+        "Force on a part divided by the depth to which it sinks into the lining of a track, such "
+        "as brush or urethane.", 0.0,
         strict=True, parameter=True, examples=("20 N/mm",),
     ),
     "contact_modulus": Quantity(
         "Pa", "E", "Modulus of the contact",
-        "Reduced modulus of both materials: 1/E is the sum of (1 - nu^2)/E of each.", 0.0,
+        "Reduced elastic modulus E of the two materials: 1/E is the sum of (1 - nu^2)/E of each.",
+        0.0,
         strict=True, parameter=True, examples=("115 GPa",),
     ),
     "contact_radius": length(
-        "R", "Radius of the contact", "Radius of a ball, or of a rounded part where it strikes.",
+        "R", "Radius of the contact",
+        "Radius of a ball, or of a rounded part at the place where it strikes.",
         "4 mm",
     ),
     "impact_damping": Quantity(
         "s m-1", "b", "Damping of Hunt and Crossley",
-        "Damping b of Hunt and Crossley's law, F = k x^n (1 + b x'), "
-        "from a restitution at one speed."
+        "Damping b in the contact law of Hunt and Crossley, F = k x^n (1 + b x'), from the "
+        "restitution at one impact speed."
     ),
     "restitution_at_impact": number(
         "e(v)", "Restitution at the impact speed",
-        "Restitution at the impact speed by Hunt and Crossley's "
-        "law."
+        "Coefficient of restitution at the impact speed, by the contact law of Hunt and Crossley."
     ),
     "damping_of_restitution": number(
         "zeta(e)", "Damping ratio of the restitution",
-        "Damping ratio of a spring and damper without adhesion that gives the restitution: above 1 "
-        "for a restitution below 0.135, infinite for 0.",
+        "Damping ratio of a spring-damper contact without adhesion that has the given "
+        "restitution. It is above 1 for a restitution below 0.135, and infinite for 0.",
     ),
     "restitution_of_damping": number(
         "e(zeta)", "Restitution of the damping ratio",
-        "Restitution of a spring and damper without adhesion, at any speed.",
+        "Coefficient of restitution of a spring-damper contact without adhesion; it is the same "
+        "at every impact speed.",
     ),
     "lining_frequency": Quantity(
-        "Hz", "f_c", "Natural frequency on the lining", "Natural frequency of a part on its lining."
+        "Hz", "f_c", "Natural frequency on the lining",
+        "Natural frequency of a part on the lining of the track."
     ),
     "lining_sag": Quantity(
-        "m", "m g/k", "Sag", "Depth to which a part at rest sinks into its lining by its weight."
+        "m", "m g/k", "Sag", "Depth to which a part at rest sinks into the lining by its weight."
     ),
     "stiffness_ratio": number(
-        "f_c/f", "Lining over drive", "Natural frequency on the lining over that of the drive."
+        "f_c/f", "Lining over drive",
+        "Natural frequency of the part on the lining divided by the drive frequency."
     ),
-    "hertz_depth": Quantity("m", "x_max", "Depth of the impact", "Depth of a Hertz contact at the "
-    "impact."),
+    "hertz_depth": Quantity("m", "x_max", "Depth of the impact",
+        "Largest indentation of a Hertz contact during the impact."),
     "hertz_time": Quantity(
-        "s", "t_c", "Time of the impact", "Duration of a Hertz contact without loss."
+        "s", "t_c", "Time of the impact",
+        "Duration of the impact in a Hertz contact without energy loss."
     ),
     # --- motion in time
     "rolling_resistance": Quantity(
         "1", "c", "Rolling resistance",
-        "Coefficient of rolling resistance: lever of the floor's force over the radius of the "
-        "part. Hard steel on steel has some 0.001, plastic on a lined track some 0.02.",
+        "Coefficient of rolling resistance: the lever arm of the floor's force divided by the "
+        "radius of the part. It is about 0.001 for hard steel on steel and 0.02 for plastic on a "
+        "lined track.",
         0.0, parameter=True, examples=("0.01",), usual=(1e-5, 0.2),
     ),
     "rolling_contact": Quantity(
         "1", "", "Rolling contact", "Contacts of a round part with floor and wall.", bundle=True
     ),
     "slip_groups": Quantity(
-        "1", "", "Groups of the slip", "The dimensionless numbers of the slip.", bundle=True
+        "1", "", "Groups of the slip",
+        "Dimensionless numbers of the slip of a round part.", bundle=True
     ),
     "slip_motion": Quantity(
-        "1", "", "Slip", "Motion of the contact over the floor.", bundle=True
+        "1", "", "Slip", "Motion of the contact point over the floor.", bundle=True
     ),
     "mean_acceleration": acceleration(
         "", "Mean acceleration",
-        "Mean acceleration of the part over a period of the drive, in the long run: 0 where it "
-        "has a conveying velocity, or none.",
+        "Long-term mean acceleration along the track if the part runs away; otherwise 0.",
     ),
     "slip_velocity": velocity(
         "s", "Slip velocity",
-        "Mean velocity at which the point of contact slips on the floor; 0 where the part rolls. "
-        "Rolling resistance is left out while the part turns to and fro.",
+        "Mean velocity at which the contact point slips on the floor; 0 if the part rolls. "
+        "Rolling resistance is neglected unless the part runs away downhill.",
     ),
 }  # fmt: skip

@@ -402,10 +402,11 @@ LINEAR_SCENE = Scene(
     name="linear-drive-unit",
     title="Drive unit of a linear feeder",
     source="",
-    validity="Two rigid masses, small harmonic motion in its steady state, below a third of the "
-    "first mode of a leaf or of the trough. The force acts through both mass centres: amplitude "
-    "and angle are the same along the track; where it misses them both masses turn (variants "
-    "springs_turning and measured_turning, the base free). A load lies still on the track.",
+    validity="The unit is two rigid masses in small, steady harmonic motion, below a third of "
+    "the first natural frequency of a leaf or of the trough. The force acts through both mass "
+    "centres, so that amplitude and angle are the same along the track. If it does not, use the "
+    "variants springs_turning and measured_turning, in which both masses turn and the base is "
+    "free. A load lies at rest on the track.",
     variants={
         "springs": (*LINEAR, *SPRINGS),
         "measured": (*LINEAR, *MEASURED),
@@ -463,9 +464,10 @@ BOWL_SCENE = Scene(
     name="bowl-drive-unit",
     title="Drive unit of a bowl feeder",
     source="",
-    validity="Two rigid bodies that turn about one axis and lift along it, small harmonic motion "
-    "in its steady state, the base free to move. Leaves bend, and do not twist: real ones are "
-    "stiffer. The force acts along the stroke of the leaves. A load lies still on the track.",
+    validity="Bowl and base are rigid bodies that turn about one axis and lift along it, in "
+    "small, steady harmonic motion. The base is free to move. The leaf springs bend but do not "
+    "twist; real ones are stiffer. The force acts along the stroke of the leaf springs. A load "
+    "lies at rest on the track.",
     variants={"springs": (*BOWL, *SPRINGS), "measured": (*BOWL, *MEASURED)},
     default_variant="springs",
     conditions={"springs": BOWL_CONDITIONS, "measured": BOWL_CONDITIONS},

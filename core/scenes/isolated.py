@@ -117,10 +117,10 @@ CORNER_DEFAULTS = {
 }
 
 VALIDITY = (
-    "Plane motion of a rigid part with one corner on a fixed plane, touching and neither "
-    "approaching nor leaving it; an approach is an impact. Without velocity_along the corner is at "
-    "rest along the plane. Where there are two solutions the forces are those of the one in "
-    "contact; in the other there is no force."
+    "The part is rigid, moves in a plane, and touches a fixed plane with one corner. The corner "
+    "neither approaches nor leaves the plane; an approach is an impact. If the study gives no "
+    "velocity_along, the corner is at rest along the plane. If there are two solutions, the forces "
+    "are those of the solution in contact; the other solution has no force."
 )
 
 

@@ -101,8 +101,9 @@ RECTANGLE_SCENE = Scene(
     name="rectangle-on-plane",
     title="Rectangular part on a horizontal or inclined plane",
     source="3.2.2, 3.2.3",
-    validity="A snapshot at the drive's peak for a part at rest relative to the track; it does not "
-    "rotate. Closed forms describe the part only while the throw number is below 1.",
+    validity="The results are a snapshot at the peak of the drive, for a part that is at rest "
+    "relative to the track and does not rotate. Closed forms describe the part only while the "
+    "throw number is below 1.",
     variants={
         "thesis": (*PLANE, *PER_AXIS),
         "derived": (*PLANE, *PER_AXIS),
@@ -144,8 +145,9 @@ PLATE_SCENE = Scene(
     name="part-on-plate",
     title="Part on a plate without a wall",
     source="",
-    validity="A snapshot at the drive's peak for a part at rest relative to the plate. Closed "
-    "forms describe the part only while the throw number is below 1.",
+    validity="The results are a snapshot at the peak of the drive, for a part that is at rest "
+    "relative to the plate. Closed forms describe the part only while the throw number is below "
+    "1.",
     variants={
         "physical": (
             *DRIVE,
@@ -189,9 +191,9 @@ CYLINDER_SCENE = Scene(
     name="cylinder-on-plane",
     title="Cylindrical part lying on a plane, its axis along the track",
     source="3.3.2, 3.3.3",
-    validity="A snapshot at the drive's peak for a part at rest relative to the track. Rolling "
-    "resistance and drilling friction are neglected. Closed forms describe the part only while the "
-    "throw number is below 1.",
+    validity="The results are a snapshot at the peak of the drive, for a part that is at rest "
+    "relative to the track. Rolling resistance and drilling friction are neglected. Closed forms "
+    "describe the part only while the throw number is below 1.",
     variants={
         "thesis": (
             *PLANE,
@@ -400,11 +402,12 @@ TRACK_SCENE = Scene(
     name="rectangle-on-track",
     title="Rectangular part on the narrow track, floor and wall",
     source="3.2.4",
-    validity="Accelerations and forces are a snapshot at the drive's peak. Velocities after a "
-    "distance or time hold the drive at its peak; they are kinematic estimates, not averages over "
-    "a period, and the physical variant uses the derived K for them. The part's path radius is "
-    "taken as R. The forces of thesis and derived let the wall act at the part's top edge; they "
-    "leave z_residual in the vertical balance and lie outside the friction cone.",
+    validity="Accelerations and forces are a snapshot at the peak of the drive. Velocities after "
+    "a distance or time assume that the drive stays at its peak. They are kinematic estimates, "
+    "not averages over a period, and the physical variant computes them with the derived K. The "
+    "radius of the part's path is taken as R. In the variants thesis and derived, the wall acts "
+    "at the part's top edge; their forces leave z_residual in the vertical balance and lie "
+    "outside the friction cone.",
     variants={
         "thesis": (
             *COMMON,

@@ -476,11 +476,11 @@ SCENE = Scene(
     name="orienting-line",
     title="A line of devices that orient parts",
     source="",
-    validity="Parts arrive one by one in the shares in which they come to rest: those that a drop "
-    "test counted, else those of let-down parts. Lower and upper ends are then those of let-down "
-    "and of thrown parts, between which the truth lies. Each device sees only how parts lie. What "
-    "falls back into the bowl comes again in any orientation: it does not remember how it lay. A "
-    "vibrating track may lay parts down by itself.",
+    validity="Parts arrive one by one, in the shares of a drop test or, without one, in the "
+    "shares of let-down parts. The lower and upper limits are then the values for let-down and "
+    "for thrown parts, and the true value lies between them. A device acts only on the position "
+    "in which a part lies. A part that falls back into the bowl arrives again in a random "
+    "position. A vibrating track may turn parts flat by itself.",
     variants={shape: any_line(shape) for shape in (*SHAPES, MESH)},
     default_variant="box",
     conditions={

@@ -159,9 +159,10 @@ RECTANGLE_SCENE = Scene(
     name="rectangle-pair-impact",
     title="Impact of two rectangular parts on the floor plane",
     source="3.2.5",
-    validity="Rigid parts that lie flat, one instant, no other impulse than that of the contact. "
-    "An edge on an edge is solved without friction only. The bodies have to touch as placed, to "
-    "within the contact tolerance; nothing moves them there.",
+    validity="The parts are rigid and lie flat. The impact is instantaneous, and the only "
+    "impulse is that of the contact. An edge on an edge is solved only without friction. The "
+    "bodies must touch where they are placed, within the contact tolerance; the program does not "
+    "move them into contact.",
     variants={
         "frictionless": (
             *RECTANGLE_STATE,
@@ -325,9 +326,10 @@ CYLINDER_SCENE = Scene(
     name="cylinder-pair-impact",
     title="Impact of two cylindrical parts",
     source="3.3.4",
-    validity="Rigid homogeneous cylinders, one instant, no other impulse than that of the contact. "
-    "Lines of contact are solved without friction only; face on face and rim on rim are not. The "
-    "bodies have to touch as placed, to within the contact tolerance; nothing moves them there.",
+    validity="The cylinders are rigid and homogeneous. The impact is instantaneous, and the only "
+    "impulse is that of the contact. Lines of contact are solved only without friction; face on "
+    "face and rim on rim are not solved. The bodies must touch where they are placed, within the "
+    "contact tolerance; the program does not move them into contact.",
     variants={
         "frictionless": (
             *CYLINDER_STATE,

@@ -330,12 +330,12 @@ SCENE = Scene(
     name="resting-part",
     title="How a part comes to rest, and when it topples",
     source="",
-    validity="Convex parts on a hard level floor, in any orientation, each as likely. Shares are a "
-    "bracket: parts that are let down with negligible momentum, and parts that are thrown; drop "
-    "height and rebound decide where between both a part is, so that their distance is the error "
-    "of either. Ends of turned parts are those of the hull, and a part from a file (mesh) rests on "
-    "its hull. A standing "
-    "part is rigid, does not slide, and its foot does not bounce.",
+    validity="Convex parts fall on a hard, level floor, and every orientation is equally likely. "
+    "The shares are two limits: for parts that are let down with negligible momentum, and for "
+    "parts that are thrown. Drop height and rebound decide where the true share lies between "
+    "them, so that their difference is the error of both. Turned parts have the ends of their "
+    "hull, and a part from a file (mesh) rests on its hull. A standing part is rigid and does "
+    "not slide, and its foot does not bounce.",
     variants={**{shape: equations(shape) for shape in SHAPES}, MESH: mesh_equations(UNREAD)},
     default_variant="box",
     conditions={**{shape: conditions(shape) for shape in SHAPES}, MESH: TOPPLE_CONDITIONS},

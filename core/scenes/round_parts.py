@@ -40,10 +40,11 @@ ROLLER_SCENE = Scene(
     name="roller-on-plane",
     title="Roller, tube, ring or hoop lying on a plane, its axis across the track",
     source="",
-    validity="A snapshot at the drive's peak for a part at rest relative to the track. Its axis "
-    "lies across the track unless axis_yaw turns it: 0 is along the track, as of "
-    "cylinder-on-plane. Rolling resistance and drilling friction are neglected. Closed forms "
-    "describe the part only while the throw number is below 1.",
+    validity="The results are a snapshot at the peak of the drive, for a part that is at rest "
+    "relative to the track. Its axis lies across the track unless axis_yaw turns it; at 0 the "
+    "axis lies along the track, as in cylinder-on-plane. Rolling resistance and drilling "
+    "friction are neglected. Closed forms describe the part only while the throw number is below "
+    "1.",
     variants={
         "physical": (
             *PLANE,
@@ -87,9 +88,10 @@ SPHERE_SCENE = Scene(
     name="sphere-on-plane",
     title="Ball or hollow ball on a horizontal or inclined plane",
     source="",
-    validity="A snapshot at the drive's peak for a ball at rest relative to the track, on a floor "
-    "without a wall. Rolling resistance is neglected: simulate it for that. Closed forms describe "
-    "the ball only while the throw number is below 1.",
+    validity="The results are a snapshot at the peak of the drive, for a ball that is at rest "
+    "relative to the track, on a floor without a wall. Rolling resistance is neglected; a "
+    "simulation includes it. Closed forms describe the ball only while the throw number is below "
+    "1.",
     variants={
         "physical": (
             *PLANE,
@@ -139,10 +141,11 @@ CONE_SCENE = Scene(
     name="cone-on-plane",
     title="Truncated cone on its side, rolling about its apex",
     source="",
-    validity="A snapshot at the drive's peak for a cone at rest relative to the track, which rolls "
-    "about the vertical through its apex. Its line of contact lies across the track unless "
-    "axis_yaw turns it. Where it slips the values are those that pure rolling would ask for; the "
-    "friction that it needs is that of the resultant. Rolling resistance is neglected.",
+    validity="The results are a snapshot at the peak of the drive, for a cone that is at rest "
+    "relative to the track and rolls about the vertical through its apex. Its line of contact "
+    "lies across the track unless axis_yaw turns it. If the cone slips, the values are those "
+    "that pure rolling would require. The required friction follows from the resultant force of "
+    "the floor. Rolling resistance is neglected.",
     variants={
         "physical": (
             *(each for each in PLANE if not each.gives.startswith("rotated")),
@@ -307,10 +310,11 @@ ROLLING_SCENE = Scene(
     name="cylinder-rolling",
     title="Cylindrical part that rolls and yaws on a level plane",
     source="4",
-    validity="A snapshot at the drive's peak for a cylinder in pure rolling at the given spin and "
-    "yaw rates. Outside the friction cone (slip), beyond the cylinder's ends (tipping) and after "
-    "lift-off the values are those that pure rolling would ask for. The yaw of the axis is counted "
-    "from +x towards -y. Friction acts at mid-length; its moment about the vertical is an input.",
+    validity="The results are a snapshot at the peak of the drive, for a cylinder in pure "
+    "rolling at the given spin and yaw rates. If the cylinder slips (outside the friction cone), "
+    "tips (beyond its ends) or lifts off, the values are those that pure rolling would require. "
+    "The yaw of the axis is measured from +x towards -y. Friction acts at mid-length; its moment "
+    "about the vertical is an input.",
     variants={
         "thesis": (
             *COMMON,
@@ -362,9 +366,10 @@ DISC_SCENE = Scene(
     name="disc-on-edge",
     title="Disc, coin or ring on its edge, its face against the wall",
     source="",
-    validity="A snapshot at the drive's peak for a disc at rest relative to the track. The wall's "
-    "force passes through the centre: what would turn the face along the wall is left out, and so "
-    "is rolling resistance. A coin that lies flat is a block: rectangle-on-plane.",
+    validity="The results are a snapshot at the peak of the drive, for a disc that is at rest "
+    "relative to the track. The force of the wall passes through the centre of the disc: moments "
+    "that would turn its face along the wall are neglected, as is rolling resistance. A coin "
+    "that lies flat is a block; use rectangle-on-plane.",
     variants={
         "physical": (
             *DRIVE,

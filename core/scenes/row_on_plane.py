@@ -382,10 +382,11 @@ SCENE = Scene(
     name="row-on-plane",
     title="Row of equal parts in one lane",
     source="",
-    validity="Equal parts with smooth faces that move as one part does, and neither tip nor wedge. "
-    "A stop at rest in space under a sine (fixed_stop) is on a level lane; its force is exact from "
-    "a throw number of 1.705 on. On a stop of the track (track_stop) rigid parts press with "
-    "least_stop_force or more; stiff elastic ones keep locked_stop_force.",
+    validity="The parts are equal, have smooth faces, move as a single part does, and neither "
+    "tip nor wedge. With fixed_stop the stop is at rest in space, the drive is a sine and the "
+    "lane is level; the force is exact if the throw number is at least 1.705. With track_stop "
+    "the stop moves with the track: rigid parts press on it with least_stop_force or more, and "
+    "stiff elastic parts keep locked_stop_force.",
     variants={
         "lane": (
             Equation("lane_pitch", lane_pitch, SOURCE),

@@ -192,12 +192,12 @@ CONDITIONS = (
 
 SCENE = Scene(
     name="soft-contact",
-    title="A contact that gives: restitution over speed, lined tracks",
+    title="Compliant contact: restitution over speed, lined tracks",
     source="",
-    validity="One impact of a rigid part on a contact without adhesion. Hunt and Crossley's law "
-    "has a restitution that falls with the speed, a spring with a damper that never pulls one that "
-    "does not. Contacts count as rigid where the part's natural frequency on its lining is five "
-    "times that of the drive, or more.",
+    validity="The results describe one impact of a rigid part on a contact without adhesion. By "
+    "the law of Hunt and Crossley, the restitution falls with the speed; with a spring and a "
+    "damper that never pull, it does not. Contacts count as rigid if the part's natural "
+    "frequency on its lining is at least five times the drive frequency.",
     variants={"physical": EQUATIONS},
     default_variant="physical",
     conditions={"physical": CONDITIONS},

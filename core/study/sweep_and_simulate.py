@@ -107,16 +107,16 @@ class MotionSettings(Frozen):
     # Near 100 roundings of a state nothing is told apart any more, and integrators give up.
     tolerance: float | None = Field(
         None,
-        description="Largest error of a periodic state, as a share of the drive. From 0.001 on "
-        "events in the plane follow an aperiodic motion only until the error of its mean velocity "
-        "is that share of it.",
+        description="Largest accepted error of a periodic motion, relative to the motion of the "
+        "drive. From 0.001 on, the method events simulates an aperiodic motion in the plane only "
+        "until its mean velocity has this relative error.",
         strict=True,
         ge=1e-13,
         le=1,
     )
     max_periods: int | None = Field(
         None,
-        description="Maximum number of drive periods that are simulated for one point.",
+        description="Maximum number of drive periods that are simulated for one set of values.",
         strict=True,
         ge=FEWEST_PERIODS,
         le=MAX_PERIODS,

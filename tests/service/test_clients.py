@@ -147,7 +147,7 @@ def test_the_three_calls_answer_what_the_page_says(shared, folder):
     assert f'"data": {speed["variables"]["conveying_velocity"]["data"]:.5f}...' in text
     about = {name: one["data"] for name, one in best["variables"].items()}
     assert f"`best_beta` is {about['best_beta']:.2f} degree" in text
-    assert f"`conveying_velocity` {about['conveying_velocity']:.5f} m/s" in text
+    assert f"`conveying_velocity` is {about['conveying_velocity']:.5f} m/s" in text
     assert "[" + ", ".join(f"{one:.4f}" for one in piece["values"]["data"]) + "]" in text
 
 

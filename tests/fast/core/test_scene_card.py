@@ -38,7 +38,7 @@ def test_columns_are_aligned_and_say_units_bounds_and_defaults():
     rows = {row.split()[0]: row for row in rows}
     for column, name, cell in (
         ("unit", "gravity", "m/s²"), ("default", "gravity", "9.80665"), ("bounds", "width", "> 0"),
-        ("bounds", "alpha", ">= -180, <= 180"), ("meaning", "frequency", "Drive frequency."),
+        ("bounds", "alpha", ">= -180, <= 180"), ("meaning", "frequency", "Frequency of the drive."),
     ):  # fmt: skip
         assert rows[name][head.index(column) :].startswith(cell)
     assert rows["friction"][head.index("unit") :].split()[:2] == [">=", "0"]  # no unit, no default

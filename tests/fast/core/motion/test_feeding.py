@@ -50,7 +50,7 @@ def test_occupancy_stands_in_the_place_of_a_gap() -> None:
     [
         ("feed_rate", {"length": "8 mm", "occupancy": 0.8, "part_gap": "2 mm"},
          "Give either occupancy or part_gap"),
-        ("feed_rate", {"occupancy": 0.8}, "Length of the part, along the track"),
+        ("feed_rate", {"occupancy": 0.8}, "Length of the part, measured along the track"),
         ("oriented_feed_rate", {"length": "8 mm", "line_yield": 0.79},
          "line_purity: it is missing"),
     ],
