@@ -55,9 +55,6 @@ GONE: Final = MappingProxyType(
 )
 """Commands of former versions, and what does the same."""
 
-GONE_OPTIONS: Final = ("--share", "--shares")
-"""Options of `run` in former versions: a cluster (`--scheduler`) does the same."""
-
 SERVICE: Final = ("serve", "key", "mcp")
 """The commands that need the extra `serve`."""
 
@@ -101,13 +98,6 @@ class Commands(Group):
         The module of the command, with its options, is imported only now. `args` are all words that
         were typed.
         """
-        if args[:1] == ["run"] and any(one.startswith(GONE_OPTIONS) for one in args):
-            typer.echo(
-                "There are no shares. --scheduler computes a study on the workers of a Dask "
-                "cluster; a run to Zarr (-o result.zarr) goes on with --resume. See docs/scale.md.",
-                err=True,
-            )
-            raise typer.Exit(INVALID_INPUT)
         if args and args[0] in GONE:
             typer.echo(f"There is no command {args[0]}. {GONE[args[0]]}.", err=True)
             raise typer.Exit(INVALID_INPUT)

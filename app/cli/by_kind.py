@@ -24,10 +24,12 @@ MAX_ROWS = 20  # runs that are printed; the file has all
 
 
 def show_findings(result: "Table", units: "ShownUnits") -> None:
-    """Print a calibration: unknowns with intervals, measured runs, and findings in sentences.
+    """Print a calibration: findings in sentences, unknowns with intervals, and measured runs.
 
     `result` is the table of the calibration, `units` those for printing.
     """
+    for sentence in str(result.attributes["findings"]).splitlines():
+        tell(f"  {sentence}")
     rows = []
     for name in str(result.attributes["unknowns"]).split():
         unit, (best, median, *ends) = _read_values(
@@ -41,8 +43,6 @@ def show_findings(result: "Table", units: "ShownUnits") -> None:
         )
     table(("unknown", "best", "median", "68 %", "95 %", "unit"), rows)
     _show_runs(result, units)
-    for sentence in str(result.attributes["findings"]).splitlines():
-        tell(f"  {sentence}")
 
 
 def _read_values(result: "Table", names: list[str], units: "ShownUnits") -> tuple[str, list[str]]:
@@ -83,7 +83,7 @@ def _show_runs(result: "Table", units: "ShownUnits") -> None:
             text(measured[k]),
             text(predicted[k]),
             f"{text(low[k])} to {text(high[k])}",
-            "-" if np.isnan(over[k]) else format_number(over[k], 2),
+            "-" if np.isnan(over[k]) else f"{over[k]:.1f}",
         )
         for k in range(min(len(measured), MAX_ROWS))
     ]
@@ -108,11 +108,13 @@ def nearest(result: "Table", units: "ShownUnits", deadline: float | None) -> lis
     """Return lines on an optimisation without solution: the nearest designs, and possible changes.
 
     Each says by how much a limit is missed while all others are kept, or which change would let all
-    be kept. The search takes a while; the result is empty if it is skipped by Ctrl-C, or not
-    needed. `result` is the table of the optimisation, `units` are those for printing, `deadline`
-    is the time of `time.monotonic` at which to stop [s].
+    be kept, or a missed target be reached. The search takes a while; the result is empty if it is
+    skipped by Ctrl-C, or not needed. `result` is the table of the optimisation, `units` are those
+    for printing, `deadline` is the time of `time.monotonic` at which to stop [s].
     """
-    if is_muted() or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
+    has_missed = has_status(result, "target_missed")
+    is_solved = not has_missed and not has_status(result, "infeasible")
+    if is_muted() or is_solved or set(result.variables["optimum_status"].dims) - {"front"}:
         return []
     from vibrafeed.core.optimise import reach as search  # few runs need it
 
@@ -121,16 +123,18 @@ def nearest(result: "Table", units: "ShownUnits", deadline: float | None) -> lis
         study = parse_json(str(result.attributes["study"]))
         with progress("nearest designs") as advance:
             watch = Watch(advance, deadline=deadline).part(0.5)
-            reaches, others = search.nearest(study, watch), search.ways(study, watch)
+            reaches = [] if has_missed else search.nearest(study, watch)
+            others = search.ways(study, watch)
     except KeyboardInterrupt:
         return []
     lines = []
     for reach in reaches:
-        side = "at most" if reach.upper else "at least"
-        asked = f"{side} {format_value(reach.output, reach.bound, units)} is asked"
+        bound = format_value(reach.output, reach.bound, units)
         lines.append(
-            f"Nearest: {reach.output} {format_value(reach.output, reach.value, units)} ({asked}) "
-            f"with all other limits kept, at {list_choice(reach.choice, units)}."
+            f"Nearest: {reach.output} {format_value(reach.output, reach.value, units)} "
+            f"({'at most' if reach.upper else 'at least'} {bound} "
+            f"{_CONTACTS.get(reach.name, 'is asked')}) with all other limits kept, at "
+            f"{list_choice(reach.choice, units)}."
         )
     for way in others:
         value = format_value(way.output, way.value, units)
@@ -141,22 +145,24 @@ def nearest(result: "Table", units: "ShownUnits", deadline: float | None) -> lis
     return lines
 
 
+_CONTACTS = {
+    "floor_contact": "keeps the part on the floor: throw number at most 1",
+    "wall_contact": "keeps the part on the wall",
+}
+
+
 def list_choice(choice: Mapping[str, float], units: "ShownUnits") -> str:
     """Return `name value unit` of each chosen variable, separated by commas."""
     return ", ".join(f"{name} {format_value(name, value, units)}" for name, value in choice.items())
 
 
-def is_infeasible(result: "Table") -> bool:
-    """True if a table is the result of an optimisation in which no design meets all limits.
+def has_status(result: "Table", name: str) -> bool:
+    """True if a table is the result of an optimisation in which all designs ended with a status.
 
-    `result` is the table of any study; its flag variable `optimum_status` says for every design if
-    and how an optimum was found. A table without this variable, of another kind of study, gives
-    False.
+    `name` is a key of `OPTIMUM_STATUSES`. A table of another kind of study gives False.
     """
     status = result.variables.get("optimum_status")
-    return status is not None and bool(
-        np.all(status.values == OPTIMUM_STATUSES["infeasible"].value)
-    )
+    return status is not None and bool(np.all(status.values == OPTIMUM_STATUSES[name].value))
 
 
 # --- sensitivities

@@ -139,5 +139,5 @@ def _fixed(text: str) -> tuple[str, str]:
     """Return name and value of an `--at` option typed as `name=value`; exit if it has no `=`."""
     name, sign, value = text.partition("=")
     if not sign:
-        refuse({Path("--at"): [Problem(text, "it has no value", "Write name=value")]})
+        refuse({Path("--at"): [Problem(text, "the option has no value", "Write --at name=value")]})
     return name.strip(), value.strip()

@@ -24,12 +24,6 @@ FAR = 3.5  # errors: a run with a larger residual is named
 LITTLE = 0.1  # bit: a candidate run that adds less is not proposed
 
 
-def in_unit(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
-    """Return a value with a readable unit as text; `unit` is the value's own."""
-    shown = units.of(unit, abs(value))
-    return f"{shown.factor * value:.{digits}g} {shown.unit}".rstrip()
-
-
 def format_rounded(value: float, deviation: float, unit: str, units: ShownUnits) -> str:
     """Return a value with a readable unit as text, with the digits that its deviation justifies.
 
@@ -82,12 +76,12 @@ class Findings:
         """Return all findings as sentences, one per line, the most important first."""
         sentences = [
             *self._explained(),
+            *self._misfit(),
             *self._estimates(),
             *self._modes(),
             *self._alone(),
             *self._bounds(),
             *self._scatter(),
-            *self._misfit(),
             *self._far(),
             *self._next(),
         ]
@@ -125,7 +119,7 @@ class Findings:
         modes = []
         for k, share in enumerate(shares):
             values = [
-                f"{one.name} {in_unit(self.arrays[f'mode_{one.name}'][k], one.unit, self.units)}"
+                f"{one.name} {self.units.text(self.arrays[f'mode_{one.name}'][k], one.unit)}"
                 for one in self.model.unknowns
             ]
             modes.append(f"{', '.join(values)} ({100 * share:.0f} %)")
@@ -190,7 +184,7 @@ class Findings:
             for end, bound, word in ((0, unknown.lower, "lower"), (-1, unknown.upper, "upper")):
                 near = abs(axis[end] - bound) < 1e-9 * unknown.width
                 if near and density[end] > AT_BOUND * density.max():
-                    value = in_unit(bound, unknown.unit, self.units)
+                    value = self.units.text(bound, unknown.unit)
                     beyond = f"its {word} bound, {value}: widen its range"
                     yield f"{unknown.name} may lie beyond {beyond}"
 
@@ -199,9 +193,9 @@ class Findings:
         sizes = self.prepared.likelihood.scatter.sizes
         if sizes.size == 1:
             return
-        size = in_unit(self._value("discrepancy"), self.output.unit, self.units)
+        size = self.units.text(self._value("discrepancy"), self.output.unit)
         rms = float(np.sqrt(np.nanmean(np.square(self.arrays["residual"]))))
-        left = in_unit(rms, self.output.unit, self.units, 4)
+        left = self.units.text(rms, self.output.unit, 4)
         if not runs.errors_known:
             yield (
                 f"The best values leave residuals of {left} (rms); no errors were given to explain "
@@ -212,9 +206,10 @@ class Findings:
         if likely < 0.5:
             yield f"Their errors explain what was measured; the residuals are {left} (rms)"
         else:
+            surely = "more than 99" if likely > 0.99 else f"{100 * likely:.0f}"
             yield (
-                f"The measured values scatter by some {size} beyond their errors "
-                f"({100 * likely:.0f} % likely), which no unknown explains"
+                f"The measured values scatter by about {size} more than their errors allow "
+                f"({surely} % likely); no unknown explains it"
             )
 
     def _misfit(self) -> Iterator[str]:
@@ -254,7 +249,7 @@ class Findings:
         best = int(np.argmax(gain))
         values = {name: column[best] for name, column in columns_of(grid).items()}
         drive = ", ".join(
-            f"{name} {in_unit(value, QUANTITIES[name].unit, self.units)}"
+            f"{name} {self.units.text(value, QUANTITIES[name].unit)}"
             for name, value in values.items()
             if name in grid.along or len(grid.axes) == 0
         )
@@ -263,7 +258,7 @@ class Findings:
             yield f"No candidate would add much: after the best of them {narrower}"
             return
         expected, spread = (
-            in_unit(self.arrays[n].ravel()[best], self.output.unit, self.units)
+            self.units.text(self.arrays[n].ravel()[best], self.output.unit)
             for n in ("expected", "expected_deviation")
         )
         yield (
@@ -279,8 +274,8 @@ class Findings:
         }
         narrowest = min(shares, key=lambda unknown: shares[unknown])
         now = self._value(f"upper_95_{narrowest.name}") - self._value(f"lower_95_{narrowest.name}")
-        wide = in_unit(now, narrowest.unit, self.units, 2)
-        left = in_unit(now * float(shares[narrowest]), narrowest.unit, self.units, 2)
+        wide = self.units.text(now, narrowest.unit, 2)
+        left = self.units.text(now * float(shares[narrowest]), narrowest.unit, 2)
         return (
             f"the 95 % interval of {narrowest.name} is expected to be {left} wide, and not {wide}"
         )

@@ -37,7 +37,7 @@ def problems_of_names(
         if name not in known
     ]
     problems += [
-        Problem(f"reduce.shares.{key}", "it has no condition", "Give at least one")
+        Problem(f"reduce.shares.{key}", "the share has no condition", "Give at least one")
         for key, conditions in asked.shares.items()
         if not conditions
     ]
@@ -74,7 +74,7 @@ def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
     their output does not depend on, and quantiles of more cells than memory holds.
     """
     idle = [
-        Problem(f"reduce.over.{k}", f"no requested output depends on {name}", "Leave it out")
+        Problem(f"reduce.over.{k}", f"no requested output depends on {name}", f"Remove {name}")
         for k, name in enumerate(asked.over)
         if name in PARAMETERS and name not in {*grid.along, *grid.fixed}
     ]
@@ -86,9 +86,9 @@ def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
 def _quantiles(asked: Reduction, grid: Grid) -> Iterator[Problem]:
     cells = grid.size(name for name in asked.over if name in grid.axes)
     if asked.quantiles and cells > MOST_FOR_QUANTILES:
-        message = f"quantiles need the {cells:,} cells of one answer in memory, and at most "
-        message += f"{MOST_FOR_QUANTILES:,} are taken"
-        yield Problem("reduce.quantiles", message, "Reduce fewer axes, or ask for shares instead")
+        message = f"each quantile would be taken over {cells:,} cells, and at most "
+        message += f"{MOST_FOR_QUANTILES:,} fit into memory"
+        yield Problem("reduce.quantiles", message, "Reduce over fewer axes, or request shares")
 
 
 def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
@@ -97,9 +97,9 @@ def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
         for k, condition in enumerate(conditions):
             regimes = known.get(condition.name, ())
             if condition.is_regime and condition.value not in regimes:
-                message = f"no cell of this study has a {condition.name} of '{condition.value}'"
+                message = f"{condition.name} is never '{condition.value}' in this study"
                 there = ", ".join(regimes or known)
-                fix = f"It can be in {there}" if regimes else f"Name one of {there}"
+                fix = f"Possible values: {there}" if regimes else f"Choose one of {there}"
                 yield Problem(f"reduce.shares.{share}.{k}", message, fix)
 
 
@@ -109,4 +109,4 @@ def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
         axes = depends.get(level.output, (level.along,))
         if level.along not in axes:
             message = f"{level.output} does not depend on {level.along}"
-            yield Problem(f"reduce.levels.{name}.along", message, "Leave the level out")
+            yield Problem(f"reduce.levels.{name}.along", message, "Remove this level")

@@ -326,7 +326,7 @@ def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
         return (
-            f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
+            f"the {scene.choice} '{variant}' of {scene.name} has no output '{name}'",
             f"Set {scene.choice} to {' or '.join(others)}",
         )
     closed = SCENES.get(scene.name)
@@ -340,10 +340,10 @@ def _other_way(scene: Scene, variant: str, name: str) -> tuple[str, str] | None:
         return None
     other = by_synonym(name, scene.outputs(variant))
     if other is None:
-        return f"a {there} gives {name}, a {here} does not", f'Set kind = "{kind}"'
+        return f"{name} is an output of a {there}, not of a {here}", f'Set kind = "{kind}"'
     return (
-        f"a {there} gives {name}; a {here} gives {other}",
-        f'Ask for {other} in outputs, or set kind = "{kind}"',
+        f"{name} is an output of a {there}, not of a {here}",
+        f'Request {other}, or set kind = "{kind}"',
     )
 
 
@@ -380,18 +380,19 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
     if name in DRIVE and "wave" not in scene.producers(variant):
         return Problem(
             path,
-            f"{scene.name} supports only the plain sine here, and {name} belongs to another drive",
-            "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part",
+            f"{scene.name} supports only a plain sine for these outputs, but {name} describes "
+            "another drive",
+            "Give amplitude, alpha and beta instead, or request conveying_velocity",
         )
     if (variant, name) in NOT_OF_SHAPE:
         return Problem(path, *NOT_OF_SHAPE[variant, name])
     if name in scene_parameters(scene, variant):
         return Problem(
-            path, f"{name} is not used by {', '.join(outputs)} of {scene.name}", "Remove it"
+            path, f"{name} is not used by {', '.join(outputs)} of {scene.name}", f"Remove {name}"
         )
     users = [one for one in scene.variants if name in scene_parameters(scene, one)]
     elsewhere = f", or set {scene.choice} to {' or '.join(users)}" if users else ""
-    return Problem(path, f"{name} is not used by {scene.name}", f"Remove it{elsewhere}")
+    return Problem(path, f"{name} is not used by {scene.name}", f"Remove {name}{elsewhere}")
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:

@@ -84,7 +84,7 @@ def draw(
     """
     datasets = list(dataset) if isinstance(dataset, Sequence) else [dataset]
     if not datasets:
-        raise PlotError("dataset", "there is none", "Give one or more")
+        raise PlotError("dataset", "no dataset is given", "Give one or more")
     for each in datasets:
         if not isinstance(each, xarray.Dataset):
             raise PlotError(
@@ -104,7 +104,7 @@ def draw(
         )
     if nearest and not at:
         raise PlotError(
-            "nearest", "nearest is given, but no value of at", "Give at, or leave nearest out"
+            "nearest", "nearest has no effect without at", "Give at, or leave nearest out"
         )
     if len(datasets) > 1:
         if kind not in (None, "line"):
@@ -127,7 +127,7 @@ def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figu
     if len(datasets) > MOST:
         raise PlotError(
             "dataset",
-            f"{len(datasets)} datasets are too many for one picture, {MOST} are drawn",
+            f"{len(datasets)} datasets are too many for one picture, at most {MOST} are allowed",
             "Leave some out",
         )
     selections = _selections(datasets, options)
@@ -168,7 +168,7 @@ def _selections(datasets: Sequence[xarray.Dataset], options: Options) -> list[Se
             raise PlotError(
                 "dataset",
                 f"{_name(dataset)} is not a result of vibrafeed",
-                "Draw files that `vibrafeed run` wrote",
+                "Give files that `vibrafeed run` wrote",
             )
     output = _output(datasets, options.variable)
     axis = _axis(datasets, output, options.axes)
@@ -222,7 +222,7 @@ def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
         if asked not in dataset.data_vars:
             raise PlotError(
                 "variable",
-                f"{_name(dataset)} has no '{str(asked)[:40]}'",
+                f"{_name(dataset)} has no output '{str(asked)[:40]}'",
                 "They share " + _listed(shared),
             )
     if asked is None and not shared:
@@ -237,7 +237,7 @@ def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...
     if asked is not None and len(asked) != 1:
         raise PlotError(
             "axes",
-            "several result files in one picture are drawn over exactly one axis",
+            "several results in one picture need exactly one axis",
             "Name one axis, such as amplitude",
         )
     ranged = [
@@ -362,7 +362,7 @@ def _refuse_of_animations(
     if kind not in (None, "animation", "trajectory"):
         raise PlotError(
             "kind",
-            f"a {kind} does not move",
+            f"a picture of kind {kind} cannot be an animation",
             "End the name in .png, .svg or .pdf, or leave the kind out",
         )
     if any(chosen):

@@ -121,7 +121,9 @@ def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Op
     for name in options.at:
         if name not in axes:
             raise PlotError(
-                "at", f"{name} is not ranged", f"Ranged parameters: {', '.join(axes) or 'none'}"
+                "at",
+                f"{name} has no range in this result",
+                f"Parameters with a range: {', '.join(axes) or 'none'}",
             )
     positions = fixed_positions(dataset, options.at, axes, (), nearest=options.nearest)
     held = _held(problem, dataset.isel(positions))
@@ -162,7 +164,10 @@ def _limit(kept: Kept, units: ShownUnits) -> str:
 
 def _is_solved(best: xarray.Dataset) -> bool:
     return bool(
-        np.all(np.isin(best["optimum_status"], (STATUS["optimal"], STATUS["not_attained"])))
+        np.isin(
+            best["optimum_status"],
+            [STATUS[name] for name in ("optimal", "not_attained", "target_missed")],
+        ).all()
     )
 
 
@@ -370,7 +375,7 @@ def _draw_front(dataset: xarray.Dataset, prepared: Optimisation, options: Option
     if not isinstance(criterion, Pareto):
         raise PlotError(
             "dataset",
-            "it holds no front",
+            "the result has no trade-off front",
             "Draw the result of a study with criterion kind 'pareto'",
         )
     units, style = options.units, options.style

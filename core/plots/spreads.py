@@ -147,7 +147,7 @@ def _result(dataset: xarray.Dataset, options: Options) -> UncertainOutput:
     if whole not in dataset:
         raise PlotError(
             "dataset",
-            f"it holds no {words(whole)}",
+            f"the result has no {words(whole)}",
             f'Add "{ANALYSIS[kind]}" to the analyses of the study',
         )
     own = (UNCERTAIN, QUANTILE, LEVEL)

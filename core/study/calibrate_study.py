@@ -219,7 +219,10 @@ def _with_speed(row: Mapping[str, Any]) -> Mapping[str, Any]:
         return row
     distance, time = (read_number(n, QUANTITIES[n], row[n]) for n in ("distance", "time"))
     if not time > 0.0:
-        raise UnitError(f"a part takes {time:g} s over the distance", "Give a time above 0")
+        raise UnitError(
+            f"the time of a part over the distance is {time:g} s, not above 0",
+            "Give a time above 0",
+        )
     rest = {name: value for name, value in row.items() if name not in ("distance", "time")}
     return {**rest, "conveying_velocity": distance / time}
 
@@ -258,7 +261,7 @@ def _read_prior(table: str, parameter: str, raw: object) -> Prior:
     prior = read_distribution(of + parameter, raw, quantity_of(table, parameter))
     if not isinstance(prior, Prior):
         raise UnitError(
-            f"what is known of {of}{parameter} is neither a range nor a normal distribution",
+            f"the prior of {of}{parameter} is neither a range nor a normal distribution",
             "Write { lower = ..., upper = ... }, or { mean = ..., deviation = ... }",
         )
     return prior
