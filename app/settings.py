@@ -327,7 +327,7 @@ def unknown_variables(names: Iterable[str]) -> list[Problem]:
     return [
         Problem(
             name,
-            "no setting of vibrafeed is read from an environment variable of this name",
+            "vibrafeed has no setting with this environment variable",
             FORMER.get(name.upper()) or suggestion(name.upper(), settings),
         )
         for name in sorted(names)

@@ -8,7 +8,7 @@ VibrafeedError
 └── SceneError        a scene contradicts itself; a mistake of ours, found when it is imported
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -78,6 +78,21 @@ class StudyError(VibrafeedError):
 def refused(path: str, message: str, fix: str, about: str = "") -> StudyError:
     """Return the error of a study with one problem."""
     return StudyError([Problem(path, message, fix, about)])
+
+
+def given_twice(
+    section: str, names: Iterable[str], other: str, others: Collection[str]
+) -> list[Problem]:
+    """Return the problem of each name in a section of a study that another section gives, too."""
+    return [
+        Problem(
+            f"{section}.{name}",
+            f"{name} is given twice: in [{section}] and in [{other}]",
+            "Remove one of the two",
+        )
+        for name in names
+        if name in others
+    ]
 
 
 def raise_any(problems: Iterable[Problem]) -> None:

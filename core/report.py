@@ -173,15 +173,15 @@ def check(prepared: Prepared) -> None:
     if kind not in ("sweep", "simulate"):
         raise refused(
             "kind",
-            f"the error of a study of kind '{kind}' is not measured over its run time",
-            "Measure a study of kind sweep or simulate; `verify` checks the results of others",
+            f"a report cannot be made of a study of kind '{kind}'",
+            "Give a study of kind sweep or simulate; verify checks the results of others",
         )
     has_speed = "conveying_velocity" in scene.outputs(scene.default_variant)
     if kind == "simulate" and not (has_speed and WITNESS in scene.variants):
         raise refused(
             "scene",
-            f"no method of {scene.name} is a witness of its mean velocity",
-            "Measure one part on a plane or a track; `verify` compares others",
+            f"{scene.name} has no second method with which its mean velocity can be compared",
+            "Give a study of one part on a plane or a track; verify checks others",
         )
 
 

@@ -199,18 +199,6 @@ _RELATIONS: Final = (
 )  # fmt: skip
 """Quantities that are not a parameter or an output, but make one: that, their names, and how."""
 
-_GONE: Final[Mapping[str, str]] = {
-    **dict.fromkeys(
-        ("time-stepping", "regularised", "regularised-BDF", "regularised-LSODA"),
-        "This method is gone: 'events' is exact",
-    ),
-    **dict.fromkeys(
-        ("steps_per_period", "slip_speed", "contact_stiffness"),
-        "Remove it: its method is gone, and 'events' is exact without it",
-    ),
-}
-"""Names of old, and what to write instead."""
-
 _ALIKE: Final = 0.81
 """Similarity of two words from which on one may be the other, misspelt."""
 _JOINED: Final = 0.9
@@ -347,8 +335,6 @@ def suggestion(name: str, known: Iterable[str], shown_names: Iterable[str] | Non
     It says how a known quantity follows, asks ``Did you mean ...?``, or lists the known names.
     """
     known_names = sorted(known)
-    if name in _GONE and name not in known_names:
-        return _GONE[name]
     related = relation(name, known_names)
     if related is not None:
         return related[1]

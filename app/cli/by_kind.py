@@ -26,7 +26,9 @@ STATISTICS = ("best", "median", "lower_68", "upper_68", "lower_95", "upper_95")
 
 
 def show_findings(result: "Table", units: "ShownUnits") -> None:
-    """Print a calibration: unknowns with intervals, measured runs, and findings in sentences."""
+    """Print a calibration: findings in sentences, unknowns with intervals, and measured runs."""
+    for sentence in str(result.attributes["findings"]).splitlines():
+        tell(f"  {sentence}")
     rows = []
     for name in str(result.attributes["unknowns"]).split():
         unit, (best, median, lower_68, upper_68, lower_95, upper_95) = _read_values(
@@ -36,8 +38,6 @@ def show_findings(result: "Table", units: "ShownUnits") -> None:
         rows.append((name, best, median, *intervals, unit))
     table(("unknown", "best", "median", "68 %", "95 %", "unit"), rows)
     _show_runs(result, units)
-    for sentence in str(result.attributes["findings"]).splitlines():
-        tell(f"  {sentence}")
 
 
 def _read_values(result: "Table", names: list[str], units: "ShownUnits") -> tuple[str, list[str]]:
@@ -70,7 +70,7 @@ def _show_runs(result: "Table", units: "ShownUnits") -> None:
             text(measured[run]),
             text(predicted[run]),
             f"{text(low[run])} to {text(high[run])}",
-            "-" if np.isnan(residuals[run]) else format_number(residuals[run], 2),
+            "-" if np.isnan(residuals[run]) else f"{residuals[run]:.1f}",
         )
         for run in range(min(len(measured), MAX_ROWS))
     ]
@@ -95,10 +95,13 @@ def describe_nearest(result: "Table", units: "ShownUnits", deadline: float | Non
     """Return lines on an optimisation without solution: the nearest designs, and possible changes.
 
     Each says by how much a limit is missed while all others are kept, or which change would let all
-    be kept. The search takes a while; the result is empty if it is skipped by Ctrl-C, or not
-    needed. `deadline` is the time of `time.monotonic` at which to stop [s].
+    be kept, or a missed target be reached. The search takes a while; the result is empty if it is
+    skipped by Ctrl-C, or not needed. `deadline` is the time of `time.monotonic` at which to stop
+    [s].
     """
-    if is_muted() or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
+    has_missed = has_status(result, "target_missed")
+    is_solved = not has_missed and not has_status(result, "infeasible")
+    if is_muted() or is_solved or set(result.variables["optimum_status"].dims) - {"front"}:
         return []
     from vibrafeed.core.optimise import reach as search  # few runs need it
 
@@ -107,17 +110,19 @@ def describe_nearest(result: "Table", units: "ShownUnits", deadline: float | Non
         study = parse_json(str(result.attributes["study"]))
         with progress("nearest designs") as advance:
             watch = Watch(advance, deadline=deadline).part(0.5)
-            designs, changes = search.nearest(study, watch), search.ways(study, watch)
+            designs = [] if has_missed else search.nearest(study, watch)
+            changes = search.ways(study, watch)
     except KeyboardInterrupt:
         return []
     lines = []
     for design in designs:
         side = "at most" if design.upper else "at least"
-        limit = f"{side} {format_value(design.output, design.bound, units)} is asked"
+        bound = format_value(design.output, design.bound, units)
+        reason = _CONTACTS.get(design.name, "is asked")
         value = format_value(design.output, design.value, units)
         lines.append(
-            f"Nearest: {design.output} {value} ({limit}) with all other limits kept, at "
-            f"{list_choice(design.choice, units)}."
+            f"Nearest: {design.output} {value} ({side} {bound} {reason}) with all other limits "
+            f"kept, at {list_choice(design.choice, units)}."
         )
     for change in changes:
         value = format_value(change.output, change.value, units)
@@ -128,22 +133,24 @@ def describe_nearest(result: "Table", units: "ShownUnits", deadline: float | Non
     return lines
 
 
+_CONTACTS = {
+    "floor_contact": "keeps the part on the floor: throw number at most 1",
+    "wall_contact": "keeps the part on the wall",
+}
+
+
 def list_choice(choice: Mapping[str, float], units: "ShownUnits") -> str:
     """Return `name value unit` of each chosen variable, separated by commas."""
     return ", ".join(f"{name} {format_value(name, value, units)}" for name, value in choice.items())
 
 
-def is_infeasible(result: "Table") -> bool:
-    """True if a table is the result of an optimisation in which no design meets all limits.
+def has_status(result: "Table", name: str) -> bool:
+    """True if a table is the result of an optimisation in which all designs ended with a status.
 
-    `result` is the table of any study; its flag variable `optimum_status` says for every design if
-    and how an optimum was found. A table without this variable, of another kind of study, gives
-    False.
+    `name` is a key of `OPTIMUM_STATUSES`. A table of another kind of study gives False.
     """
     status = result.variables.get("optimum_status")
-    return status is not None and bool(
-        np.all(status.values == OPTIMUM_STATUSES["infeasible"].value)
-    )
+    return status is not None and bool(np.all(status.values == OPTIMUM_STATUSES[name].value))
 
 
 # --- sensitivities

@@ -5,7 +5,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibrafeed.app.cli.studies import content_of, name_of, refuse, refuse_taken, warn, write_text
+from vibrafeed.app.cli.studies import (
+    content_of,
+    name_of,
+    refuse,
+    refuse_existing,
+    warn,
+    write_text,
+)
 from vibrafeed.core.errors import Problem, StudyError
 
 if TYPE_CHECKING:
@@ -44,9 +51,8 @@ def convert(
 ) -> None:
     """Convert a study to TOML, JSON, a command that posts it, or a Python call.
 
-    Units and ranges stay as they were typed; comments are lost. The study is checked first, and
-    all of its forms have the same key: the service computes equal studies once. Exit code 2 means
-    that the study or an option is wrong, 1 that the file could not be written.
+    Units and ranges stay as they were typed; comments are lost. The study is checked first. Exit
+    code 2 means that the study or an option is wrong, 1 that the file could not be written.
     """
     from vibrafeed.core.intake.forms import FORMS, SERVICE, resolve_files, write_as
     from vibrafeed.core.suggestions import suggestion
@@ -72,7 +78,7 @@ def convert(
     if output is None:
         typer.echo(text, nl=False)
         return
-    refuse_taken(output, "output", force=force)
+    refuse_existing(str(file), str(output), force=force)
     write_text(output, text)
     typer.echo(f"wrote {output}")
 

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 _OPTION = re.compile(r"--([a-z-]+) = ")
 _LIST = re.compile(r'\[("[^\]]*")\]')
 COLUMN = (
-    "Name, or number, of the recording's column with the motion {}; a minus sign before the name "
-    "reverses it."
+    "Name or number of the column with the motion {}; a minus sign before the name reverses it."
 )
 
 
@@ -43,9 +42,8 @@ def drive(
     sensor: Annotated[
         str | None,
         typer.Option(
-            help="Names of the recording's three columns of a triaxial sensor (axes x, y, "
-            "z), as in "
-            "ax,ay,az; give them instead of --along, --normal and --across."
+            help="Names of the three columns of a triaxial sensor (axes x, y, z), as in ax,ay,az, "
+            "instead of --along, --normal and --across."
         ),
     ] = None,
     mounting: Annotated[
@@ -58,8 +56,9 @@ def drive(
     unit: Annotated[
         str | None,
         typer.Option(
-            help="Unit of the columns, instead of the one in their headings: g, mg, m s-2 or mm "
-            "s-2; mm/s of velocities; mm or um of displacements; V or mV with --sensitivity."
+            help="Unit of the columns, instead of that in their headings: g, mg, m s-2 or mm s-2 "
+            "for accelerations; mm/s for velocities; mm or um for displacements; V or mV with "
+            "--sensitivity."
         ),
     ] = None,
     sensitivity: Annotated[
@@ -80,8 +79,9 @@ def drive(
     time: Annotated[
         str | None,
         typer.Option(
-            help="Name of the recording's time column; a column named `time` or `t` is "
-            "found automatically."
+            help="Name of the recording's time column; by default the column named time, t, "
+            "timestamp, elapsed, Zeit, temps, tiempo, tempo or X_Value, or the only column with "
+            "a unit of time."
         ),
     ] = None,
     line_frequency: Annotated[
@@ -116,8 +116,8 @@ def drive(
     loaded: Annotated[
         Path | None,
         typer.Option(
-            help="With --ring-down: recording of a knock with --added-mass on the feeder; it gives "
-            "the moving mass."
+            help="With --ring-down: a second recording, with --added-mass on the feeder, from "
+            "which the moving mass is computed."
         ),
     ] = None,
     added_mass: Annotated[
@@ -220,10 +220,12 @@ def _fit_ring_down(
 
     problems: dict[Path, list[Problem]] = {recording: []}
     if plot is not None:
-        problems[recording].append(Problem("--plot", "a ring-down has no picture", "Leave it out"))
+        problems[recording].append(
+            Problem("--plot", "a ring-down cannot be drawn", "Remove --plot")
+        )
     if (loaded is None) != (added_mass is None):
-        fix = "Give both, or neither"
-        problems[recording].append(Problem("--loaded", "it needs --added-mass", fix))
+        message = "--loaded and --added-mass need each other"
+        problems[recording].append(Problem("--loaded", message, "Give both or neither"))
     fits = []
     for file in filter(None, (recording, loaded)):
         try:
@@ -232,8 +234,8 @@ def _fit_ring_down(
             named = map(_name_options, error.problems)
             problems[file] = [*problems.get(file, []), *named]
         except OSError as error:
-            message = f"it cannot be read: {error.strerror or error}"
-            problems[file] = [Problem("recording", message, "Name a recording")]
+            message = f"the file cannot be read: {error.strerror or error}"
+            problems[file] = [Problem("recording", message, "Give the path of a recording")]
     invalid = {file: listed for file, listed in problems.items() if listed}
     if invalid:
         refuse(invalid)
@@ -266,8 +268,7 @@ def _fit_recording(recording: Path, options: "Recording", plot: Path | None) -> 
             problems.append(
                 Problem(
                     "--along",
-                    f"the command names no acceleration column; the recording has the "
-                    f"columns {columns}",
+                    f"no column is given; the recording has the columns {columns}",
                     fix,
                 )
             )
@@ -276,8 +277,8 @@ def _fit_recording(recording: Path, options: "Recording", plot: Path | None) -> 
     except StudyError as error:
         problems += error.problems
     except OSError as error:
-        message = f"it cannot be read: {error.strerror or error}"
-        problems.append(Problem("recording", message, "Name a CSV"))
+        message = f"the file cannot be read: {error.strerror or error}"
+        problems.append(Problem("recording", message, "Give the path of a recording"))
     if problems:
         refuse({recording: [_name_options(problem) for problem in problems]})
     return fit

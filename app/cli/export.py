@@ -50,8 +50,8 @@ def export(
 ) -> None:
     """Convert a result to another format, given by the suffix of the output.
 
-    Nothing is computed again. Exit code 2 means that the file is no result, or that the format
-    cannot hold it, 1 that it could not be read or written.
+    Nothing is computed again. Exit code 2 means that the file is not a result, or too large for
+    the format, 1 that a file could not be read or written.
     """
     from vibrafeed.app.cli.targets import (
         check_suffix,
@@ -72,8 +72,8 @@ def export(
     refuse_existing(file, output, force=force)
     shown = None if units is None else units_asked(units)
     if shown is not None and suffix_of(output) not in FOR_PEOPLE:
-        message = f"{suffix_of(output)} files keep the units of the result"
-        fix = f"Leave it out, or export to {' or '.join(FOR_PEOPLE)}"
+        message = f"the units of {suffix_of(output)} files cannot be chosen"
+        fix = f"Remove --units, or export to {' or '.join(FOR_PEOPLE)}"
         refuse({Path(output): [Problem("--units", message, fix)]})
     try:
         table = read_result(file, most_bytes=memory())

@@ -83,8 +83,8 @@ def add(
 ) -> None:
     """Make an access key of the HTTP service and print it; a running service accepts it in seconds.
 
-    A limit whose option is left out does not apply to the key; the limits that the settings of the
-    service set for all keys still do. The key is shown only now: just a hash of it is stored.
+    Without an option the key has no such limit of its own; limits in the settings of the service
+    apply to all keys. The key is shown only once, since only its hash is stored.
     """
     from vibrafeed.app.jobs.keys import InvalidKeyError, Key, Keys
 
@@ -142,7 +142,8 @@ def list_keys(as_json: Json = False) -> None:
         )
         if not row.withdrawn and not row.in_force(now):
             until = f"over since {until}"
-        limits = [_format_limit(getattr(row, name)) for name in LIMITS]
+        figures = (getattr(row, name) for name in LIMITS)
+        limits = ["-" if figure is None else f"{figure:,}" for figure in figures]
         rows.append((row.name, row.role, _format_day(row.created), *limits, until))
     console.table(("name", "role", "made", *LIMITS, "until"), rows, right=LIMITS)
 
@@ -201,10 +202,6 @@ def _database() -> "Iterator[Database]":
         raise typer.Exit(INVALID_INPUT) from None
     finally:
         ledger.close()
-
-
-def _format_limit(number: int | None) -> str:
-    return "-" if number is None else f"{number:,}"
 
 
 def _format_day(seconds: float | None) -> str:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from vibrafeed.app.cli.questions import QUESTIONS, Question
-from vibrafeed.app.cli.studies import STANDARD, refuse, refuse_taken, warn, write_text
+from vibrafeed.app.cli.studies import STANDARD, refuse, refuse_existing, warn, write_text
 from vibrafeed.core.errors import Problem
 from vibrafeed.core.kinds import KINDS
 
@@ -81,9 +81,9 @@ def new(
 ) -> None:
     """Write a commented study to start from, after a few questions.
 
-    On a terminal it asks what no option answers; elsewhere, and with --yes, it takes the defaults.
-    The study runs at once. Exit code 2 means that an answer is wrong or that the file is there
-    already, 1 that it could not be written.
+    On a terminal it asks for everything that no option gives; elsewhere, and with --yes, it uses
+    the defaults. The study can be run as it is. Exit code 2 means that an answer is wrong or the
+    file exists already, 1 that it could not be written.
     """
     from vibrafeed.app.cli.starter import example_study, starter_study
 
@@ -115,14 +115,10 @@ def _check_name(file: Path, force: bool) -> None:
     if file.suffix.lower() == ".json":
         fix = f"Name the file {file.stem}.toml; `vibrafeed convert` makes JSON of it later"
         refuse(
-            {
-                file: [
-                    Problem("file", "a new study has comments, which a JSON file cannot hold", fix)
-                ]
-            }
+            {file: [Problem("file", "a new study has comments, which JSON does not allow", fix)]}
         )
     if file != STANDARD:
-        refuse_taken(file, "file", force=force)
+        refuse_existing(str(file), str(file), force=force)
 
 
 def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
@@ -132,8 +128,8 @@ def _check_kind(kind: str, answers: Mapping[str, str]) -> None:
     """
     from vibrafeed.core.suggestions import suggestion
 
-    message = "the example study of --kind uses no answers"
-    problems = [Problem(_flag(name), message, "Leave it out") for name in answers]
+    message = "this option has no effect together with --kind"
+    problems = [Problem(_flag(name), message, f"Remove {_flag(name)}") for name in answers]
     if kind not in KINDS:
         fix = suggestion(kind, KINDS)
         problems.insert(0, Problem("--kind", f"'{kind[:40]}' is not a kind of study", fix))
@@ -213,15 +209,19 @@ def _problem_of_unused(name: str, answers: dict[str, str]) -> Problem:
     """
     question = _BY_NAME[name]
     if question.unless in answers:
-        message = f"{_flag(question.unless)} gives the same quantity"
-        return Problem(_flag(name), message, "Leave out one of the two options")
-    needs = [
-        f"{_flag(other)} {' or '.join(words.split())}" for other, words in question.needs.items()
-    ]
+        message = f"{_flag(name)} and {_flag(question.unless)} give the same quantity"
+        return Problem(_flag(name), message, "Remove one of the two options")
+    unmet = {
+        other: words.split()
+        for other, words in question.needs.items()
+        if answers.get(other) not in words.split()
+    }
+    needs = " and ".join(f"{_flag(other)} {' or '.join(words)}" for other, words in unmet.items())
+    given = " and ".join(f"{_flag(other)} {answers[other]}" for other in unmet if other in answers)
     return Problem(
         _flag(name),
-        f"{_flag(name)} applies only together with {' and '.join(needs)}",
-        f"Add the missing option, or leave out {_flag(name)}",
+        f"{_flag(name)} applies only with {needs}" + f", not with {given}" * bool(given),
+        f"Give {needs}, or remove {_flag(name)}",
     )
 
 

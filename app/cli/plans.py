@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibrafeed.app.cli.console import say, table, tell
+from vibrafeed.app.cli.targets import size_of
 from vibrafeed.app.cli.units import DEFAULT_DIGITS, format_number, units_asked
+from vibrafeed.core.dataset.formats import FORMATS, suffix_of
 from vibrafeed.core.plan.grid import from_si
+from vibrafeed.core.plan.prepared import in_words
 from vibrafeed.core.quantities import QUANTITIES
 
 if TYPE_CHECKING:
@@ -47,15 +50,22 @@ def plan_facts(path: Path, prepared: "Prepared") -> dict[str, Any]:
     return facts | prepared.facts()
 
 
-def show_plan(path: Path, prepared: "Prepared", units_option: str | None) -> None:
+def show_plan(
+    path: Path, prepared: "Prepared", output: str | None, units_option: str | None
+) -> None:
     """Print the plan of a study: cells, bytes, dimensions kept, equations to compute.
 
-    `path` is the study's file; `units_option` is the text of `--units`, if given.
+    `path` is the study's file; `output` and `units_option` are the texts of `-o` and `--units`, if
+    given.
     """
     plan, facts = prepared.plan, plan_facts(path, prepared)
     units = units_asked(units_option, ",".join(prepared.study.units or ()))
     say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
     say(f"  {prepared.size_in_words}")
+    size, form = size_of(prepared), FORMATS.get(suffix_of(output or ""))
+    if form is not None and form.seconds_a_value:
+        seconds = form.seconds_a_value * size.rows * size.columns
+        say(f"  plus about {in_words(seconds)} to write the {form.name} file")
     rows = []
     for name, fact in facts["outputs"].items():
         sizes = fact["dimensions"]

@@ -139,5 +139,5 @@ def _split_assignment(text: str) -> tuple[str, str]:
     """Return name and value of `name=value`, as `--at` takes it; exit without `=`."""
     name, sign, value = text.partition("=")
     if not sign:
-        refuse({Path("--at"): [Problem(text, "it has no value", "Write name=value")]})
+        refuse({Path("--at"): [Problem(text, "the option has no value", "Write --at name=value")]})
     return name.strip(), value.strip()

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 def report(
     files: Annotated[
         list[Path],
-        typer.Argument(help="Study files (TOML or JSON) to measure.", show_default=False),
+        typer.Argument(
+            help="Study files (TOML or JSON) whose error is measured.", show_default=False
+        ),
     ],
     output: Annotated[
         Path | None,
@@ -32,17 +34,17 @@ def report(
     seconds: Annotated[
         float,
         typer.Option(
-            help="Time limit of each study in seconds: after it no further setting is measured.",
+            help="Time limit for each study in seconds; no setting is measured after it.",
             min=0,
         ),
     ] = 60.0,
 ) -> None:
     """Measure the error of each study over its run time; write a page, pictures and datasets.
 
-    Closed forms in 32-bit and 64-bit floats against extended precision, motions over the tolerance
-    of their method against the method `reference`, on random cells of the study. Exit code 2 means
-    that a study file is wrong, 1 that a result could not be written or that it was stopped by
-    Ctrl-C: studies that were done by then are written.
+    On random cells of the study, closed forms in 32-bit and 64-bit floats are compared with
+    extended precision, and motions at several tolerances with the method `reference`. Exit code 2
+    means that a study file is wrong, 1 that a result could not be written or that the report was
+    stopped by Ctrl-C; finished studies are written.
     """
     from vibrafeed.core.report import check
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vibrafeed.app.cli.by_kind import (
     format_value,
-    is_infeasible,
+    has_status,
     is_short,
     is_uncertain,
     list_choice,
@@ -119,8 +119,8 @@ def show_result(
     if "findings" in result.attributes:
         show_findings(result, units)
         return
-    # Of one infeasible cell it would be a table of dashes.
-    if result.variables and (facts["cells"] > 1 or not is_infeasible(result)):
+    # Without a feasible cell it would be a table of dashes.
+    if result.variables and not has_status(result, "infeasible"):
         _show_values(facts, result, units, everything=everything)
     if "message" in facts:
         say(f"  {facts['criterion']}, method {facts['method']}")

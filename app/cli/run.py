@@ -75,7 +75,7 @@ def run(
         bool,
         typer.Option(
             "--strict",
-            help="Treat warnings, such as that of an unusual value, as errors: run no study, "
+            help="Treat warnings, such as one of an unusual value, as errors: run no study and "
             "exit with code 2.",
         ),
     ] = False,
@@ -83,7 +83,7 @@ def run(
         bool,
         typer.Option(
             "--keep-going",
-            help="Run the studies that are right although others are wrong; exit with code 2.",
+            help="Run the valid studies even if others have errors; exit with code 2.",
         ),
     ] = False,
     verbose: Annotated[
@@ -114,19 +114,18 @@ def run(
     scheduler: Annotated[
         str | None,
         typer.Option(
-            help="Compute on the Dask scheduler at this address, as in tls://host:8786: sweeps and "
-            "simulations to Zarr (-o result.zarr), and studies with [reduce]."
+            help="Address of a Dask scheduler that computes the studies, as in tls://host:8786; "
+            "only for sweeps and simulations to Zarr (-o result.zarr) and studies with [reduce]."
         ),
     ] = None,
 ) -> None:
     """Run studies and write one result file each: NetCDF, or the format of the output's suffix.
 
-    All files are checked before the first is run, and a line warns of each unusual value. Exit
-    code 2 means that a study file is wrong, that --strict met a warning, or that a result is there
-    already, 1 that a result could not be written, that a verification
-    failed, or that a study was stopped, by Ctrl-C or the time limit, while it was computed or
-    verified: what was finished is written; a Zarr group goes on with --resume. Exit code 3:
-    all is done, and an optimisation has no solution.
+    All files are checked before the first study runs; unusual values are printed as warnings. Exit
+    code 1: a result could not be written, a verification failed, or a study was stopped by Ctrl-C
+    or the time limit. What was finished is written, and --resume continues a Zarr group. Exit code
+    2: a study file is wrong, --strict found a warning, or a result exists already. Exit code 3:
+    everything was computed, but an optimisation has no solution.
     """
     from vibrafeed.app.cli.running import Running
     from vibrafeed.app.cli.targets import complete_already, refuse_choices, targets_of
@@ -145,7 +144,7 @@ def run(
         )
         context.call_on_close(lambda: _count_warnings(studies))
         if dry_run:
-            _show_plans(studies, units, as_json)
+            _show_plans(studies, output, units, as_json)
             raise typer.Exit(INVALID_INPUT if studies.refused else 0)
         running = Running(
             resume=resume,
@@ -189,10 +188,10 @@ def _document(heading: str, documents: list[dict[str, Any]], studies: Batch) -> 
     return {"vibrafeed": core.__version__, heading: documents, "refused": studies.refusals()}
 
 
-def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
+def _show_plans(studies: Batch, output: str | None, units: str | None, as_json: bool) -> None:
     """Print the plans of all studies, or one JSON document with all of them (`as_json`).
 
-    `studies` are by their files; `units` is the text of the option `--units`, if given.
+    `studies` are by their files; `output` and `units` are the texts of the options, if given.
     """
     from vibrafeed.app.cli import plans
 
@@ -204,7 +203,7 @@ def _show_plans(studies: Batch, units: str | None, as_json: bool) -> None:
         console.document(_document("plans", documents, studies))
         return
     for path, prepared in studies.items():
-        plans.show_plan(path, prepared, units)
+        plans.show_plan(path, prepared, output, units)
 
 
 @contextmanager
@@ -226,8 +225,10 @@ def cluster(
         is_reduced = getattr(prepared.study, "reduce", None) is not None
         is_in_blocks = prepared.not_lazy is None and is_zarr(targets[path])
         if not (is_reduced or is_in_blocks):
-            message = "a cluster computes sweeps and simulations to Zarr, and studies with [reduce]"
-            fix = "Write to Zarr (-o result.zarr), or leave out --scheduler"
+            message = (
+                "a cluster can run only sweeps and simulations to Zarr, and studies with [reduce]"
+            )
+            fix = "Write to Zarr (-o result.zarr), or remove --scheduler"
             problems[path] = [Problem("--scheduler", message, fix)]
     if problems:
         refuse(problems)
@@ -253,8 +254,8 @@ def cluster(
 
 
 def _refuse_json_beside_result() -> None:
-    message = "standard output cannot take both the JSON document (--json) and the result (-o -)"
-    fix = "Leave out --json, or write the result to a file: -o result.csv"
+    message = "the JSON document (--json) and the result (-o -) cannot both go to standard output"
+    fix = "Remove --json, or write the result to a file: -o result.csv"
     refuse({Path("options"): [Problem("--json", message, fix)]})
 
 
@@ -270,16 +271,16 @@ def standard_output(output: str, studies: int) -> Iterator[str]:
     if studies > 1:
         problem = Problem(
             "output",
-            f"standard output takes the result of one study, not of {studies} studies",
+            f"the results of {studies} studies cannot go to standard output together",
             "Give a folder for the results, such as -o results/",
         )
     elif suffix == ".zarr":
-        fix = "Give a name that ends in .zarr, or write -o - for CSV"
+        fix = "Give a name that ends in .zarr, or use -o - for CSV"
         problem = Problem(
-            "output", "a Zarr group consists of many files, which standard output cannot take", fix
+            "output", "a Zarr group consists of many files and cannot go to standard output", fix
         )
     elif suffix != FORM and sys.stdout.isatty():
-        fix = f"Write -o - for CSV, or send it on: -o {output} > result{suffix}"
+        fix = f"Use -o - for CSV, or redirect the output: -o {output} > result{suffix}"
         problem = Problem("output", f"a terminal cannot show {suffix}", fix)
     if problem is not None:
         refuse({Path("--output"): [problem]})

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from vibrafeed.app.cli import console
-from vibrafeed.app.cli.by_kind import describe_nearest, is_infeasible
+from vibrafeed.app.cli.by_kind import describe_nearest, has_status
 from vibrafeed.app.cli.options import FAILED
 from vibrafeed.app.cli.results import facts_of, show_result, verbose_lines
 from vibrafeed.app.cli.studies import (
@@ -193,7 +193,7 @@ class Running:
         }
         facts = facts_of(path, target, table, cells_of(prepared, table)) | {"seconds": seconds}
         self.facts.append(facts)
-        self.solved &= not is_infeasible(table)
+        self.solved &= not has_status(table, "infeasible")
         console.say(f"{path} -> {target}")
         show_result(facts, table, self.units, everything=self.checked is not None)
         began_searching = time.perf_counter()
@@ -243,9 +243,8 @@ LARGE_BYTES = 1 << 28
 
 def is_stored_in_blocks(prepared: Prepared, target: str) -> bool:
     """True if a result is computed and written block by block."""
-    if prepared.not_lazy is not None:
-        return False
-    return is_zarr(target) or (suffix_of(target) == NETCDF and prepared.bytes > LARGE_BYTES)
+    is_large = suffix_of(target) == NETCDF and prepared.bytes > LARGE_BYTES
+    return prepared.not_lazy is None and (is_zarr(target) or is_large)
 
 
 def run_large(
@@ -352,7 +351,7 @@ def _reporting(path: Path, target: str) -> Iterator[None]:
             console.fail("What is done is kept; the same command with --resume goes on.")
         raise typer.Exit(FAILED) from None
     except VibrafeedError as error:
-        fix = "Or write the result as NetCDF: -o result.nc"
+        fix = "Write the result as NetCDF: -o result.nc"
         refuse({path: [Problem("output", str(error), fix)]})
 
 
@@ -372,7 +371,7 @@ def _check_disk_space(path: Path, prepared: Prepared, target: str) -> None:
     if unfinished.exists():  # what it takes is used again, or given back
         free += sum(part.stat().st_size for part in unfinished.rglob("*") if part.is_file())
     if size > MAX_TIMES_FREE * free:
-        message = f"it takes {_gb(size)} before compression; the disk of {file.parent} has "
+        message = f"the result has {_gb(size)} before compression; free in {file.parent} are only "
         fix = prepared.what_fits(MAX_TIMES_FREE * free / size)
         refuse({path: [Problem("output", message + _gb(free), fix)]})
 

@@ -52,14 +52,14 @@ def serve(
         bool,
         typer.Option(
             "--new-ledger",
-            help="Start although the ledger is empty and the data directory holds studies, whose "
+            help="Start with an empty ledger although the data directory contains studies, whose "
             "jobs and keys are lost.",
         ),
     ] = False,
 ) -> None:
     """Serve the HTTP interface.
 
-    Other machines are answered only if the service has access keys: `vibrafeed key add` makes one.
+    Other machines can use the service only with an access key: `vibrafeed key add` makes one.
     Exit code 2 means that a setting is wrong, or that the data directory cannot be used.
     """
     from vibrafeed.app import logs
@@ -130,7 +130,9 @@ def settings_in_force() -> Settings:
     except ValidationError as error:
         for item in error.errors():
             name = PREFIX + ".".join(map(str, item["loc"])).upper()
-            problems.append(Problem(name, item["msg"].removeprefix("Value error, "), "Fix it"))
+            problems.append(
+                Problem(name, item["msg"].removeprefix("Value error, "), "Correct the value")
+            )
     if problems:
         refuse({Path("environment"): problems})
     return settings
@@ -180,7 +182,7 @@ def _check_keys(settings: Settings, host: str, new_ledger: bool) -> None:
         if keys.are_needed:
             return
     fix = "Make a key with `vibrafeed key add NAME`"
-    message = "other machines can reach this address, and no keys exist"
+    message = "other machines can reach this address, but no API key exists"
     refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
 
 

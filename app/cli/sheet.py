@@ -32,9 +32,9 @@ def sheet(
         str | None, typer.Option(help="Title of the sheet; by default the title of the study.")
     ] = None,
     units: Units = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing page.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing sheet.")] = False,
 ) -> None:
-    """Write one page about a result: drive and part, what comes out, a picture, the assumptions."""
+    """Write one page about a result: drive and part, outputs, a picture, assumptions."""
     with needing("plot", "matplotlib"):
         from vibrafeed.core.plots.pictures import PlotError
         from vibrafeed.core.plots.sheet import write_sheet

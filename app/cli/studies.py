@@ -14,7 +14,7 @@ import typer
 from vibrafeed.app.cli import console
 from vibrafeed.app.cli.options import FAILED, INVALID_INPUT
 from vibrafeed.core.compiling import stopwatch
-from vibrafeed.core.errors import LimitError, Problem, StudyError
+from vibrafeed.core.errors import LimitError, Problem, StudyError, refused
 
 if TYPE_CHECKING:
     from vibrafeed.core.plan.prepared import Prepared
@@ -28,7 +28,7 @@ PYTHONS_TURN = 0.5
 SHOW_CURSOR = "\x1b[?25h"
 """What a terminal shows its cursor by, which a progress bar hides."""
 
-REPLACE = "Add --force to replace it, or give another name with -o"
+REPLACE = "Add --force to replace it, or give another name"
 
 STANDARD = Path("-")
 """Standard input where a study is read, standard output where a result is written."""
@@ -127,10 +127,9 @@ def content_of(path: Path) -> object:
     try:
         text = typer.get_binary_stream("stdin").read().decode("utf-8-sig")
     except UnicodeDecodeError:
-        problem = Problem(
-            "file", "standard input is not UTF-8 text", "Send the study encoded in UTF-8"
-        )
-        raise StudyError([problem]) from None
+        raise refused(
+            "file", "standard input is not UTF-8 text", "Encode the study in UTF-8"
+        ) from None
     return intake.read_json(text) if text.lstrip().startswith("{") else intake.read_toml(text)
 
 
@@ -155,8 +154,8 @@ def tell(problems_of: Mapping[Path, Sequence[Problem]]) -> None:
 def refuse_clashes(targets: Mapping[Path, Path | str]) -> None:
     """Exit if two results would have one path; `targets` holds that of each study's result."""
     everything = [*targets.values()]
-    message = "{} would be written more than once"
-    fix = "Rename a study, or use another folder"
+    message = "several studies would write to {}"
+    fix = "Rename a study, or give another folder with -o"
     clashes = {
         file: [Problem("output", message.format(target), fix)]
         for file, target in targets.items()
@@ -175,9 +174,8 @@ def refuse_beyond_memory(path: Path, prepared: "Prepared") -> None:
 
     size = memory()
     if prepared.bytes > size:
-        message = f"its {prepared.bytes:,} bytes are held in memory, which has {size:,}"
-        problem = Problem("parameters", message, prepared.what_fits(size / prepared.bytes))
-        refuse({path: [problem]})
+        message = f"the result of {prepared.bytes:,} bytes exceeds the memory of {size:,} bytes"
+        refuse({path: [Problem("parameters", message, prepared.what_fits(size / prepared.bytes))]})
 
 
 @contextmanager
@@ -238,24 +236,13 @@ def interruptible_compiler(last_words: str) -> Iterator[None]:
 
 
 def refuse_existing(source: str, target: str, *, force: bool) -> None:
-    """Exit if a derived file would replace an existing one, unless `force` is True.
+    """Exit if a file would replace an existing one, unless `force` is True.
 
     `source` is the file that it is derived from, which the message names; URLs and Zarr groups are
     not checked here.
     """
     if not force and "://" not in target and Path(target).is_file():
-        problem = Problem("output", f"{target} exists already", REPLACE)
-        refuse({Path(source): [problem]})
-
-
-def refuse_taken(file: Path, option: str, *, force: bool) -> None:
-    """Exit if a file exists and `--force` is not given.
-
-    `option` names the argument in the message.
-    """
-    if file.exists() and not force:
-        fix = "Add --force to replace it, or give another name"
-        refuse({file: [Problem(option, "the file exists already", fix)]})
+        refuse({Path(source): [Problem("output", f"{target} exists already", REPLACE)]})
 
 
 def write_text(file: Path, text: str) -> None:

@@ -52,7 +52,7 @@ def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Pat
     else:
         check_suffix(output)
         if len(studies) > 1:
-            problem = Problem("output", f"{output} is for one study", "Give a folder")
+            problem = Problem("output", f"{output} can hold only one result", "Give a folder")
             refuse({path: [problem] for path in studies})
         targets = dict.fromkeys(studies, output)
     refuse_clashes(targets)
@@ -71,18 +71,16 @@ def check_suffix(output: str) -> None:
     suffix = suffix_of(output)
     problem = None
     if suffix not in FORMATS:
-        message = f"'{suffix}': unknown format"
+        message = f"'{suffix}' is not a known format of results"
         similar = nearest(suffix, FORMATS)
         hint = f"Did you mean {similar}? " if similar else ""
-        fix = f"{hint}End it in {known_suffixes()}, or in / if it is a folder"
+        fix = f"{hint}End the name in {known_suffixes()}, or in / for a folder"
         problem = Problem("output", message, fix)
     else:
         try:
             FORMATS[suffix].needs()
         except MissingPackageError as error:
-            problem = Problem(
-                "output", str(error), "Or give the output a name that ends in .nc or .csv"
-            )
+            problem = Problem("output", str(error), "Or end the name of the output in .nc or .csv")
     if problem is not None:
         refuse({Path(output): [problem]})
 
@@ -94,8 +92,8 @@ def refuse_choices(storage: Storage, targets: Iterable[str]) -> None:
         "--zarr-version": (storage.zarr_version != 3, ZARR),
     }
     for option, (is_given, suffix) in given.items():
-        fix = f"Leave it out, or give the output a name that ends in {suffix}"
-        problem = Problem(option, f"it is for {FORMATS[suffix].name} only", fix)
+        fix = f"Remove {option}, or end the name of the output in {suffix}"
+        problem = Problem(option, f"{option} applies only to {FORMATS[suffix].name}", fix)
         invalid = {Path(target): [problem] for target in targets if suffix_of(target) != suffix}
         if is_given and invalid:
             refuse(invalid)
@@ -107,7 +105,7 @@ def make_folder_of(target: str) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        problem = Problem("output", f"{folder} cannot be made", str(error.strerror))
+        problem = Problem("output", f"{folder} cannot be created", str(error.strerror))
         refuse({Path(target): [problem]})
 
 
@@ -154,9 +152,9 @@ def write_or_exit(path: Path, table: Table, target: str, history: str, storage: 
 
 def _is_folder(output: str) -> bool:
     """True if an output is a folder for results, not the name of a file or a Zarr group."""
-    if "://" in output or output.lower().endswith(".zarr"):
-        return False
-    return output.endswith("/") or not Path(output).suffix or Path(output).is_dir()
+    is_group = "://" in output or output.lower().endswith(".zarr")
+    is_named = output.endswith("/") or not Path(output).suffix
+    return not is_group and (is_named or Path(output).is_dir())
 
 
 def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> None:
@@ -168,14 +166,15 @@ def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]
     invalid = {}
     for path, prepared in studies.items():
         try:
-            FORMATS[suffix_of(targets[path])].check(_size_of(prepared))
+            FORMATS[suffix_of(targets[path])].check(size_of(prepared))
         except LimitError as error:
             invalid[path] = [Problem("output", error.message, error.fix)]
     if invalid:
         refuse(invalid)
 
 
-def _size_of(prepared: Prepared) -> Size:
+def size_of(prepared: Prepared) -> Size:
+    """Return the size of the result of a study."""
     # A table has a row per point of all dimensions together; a file has each output over its own.
     kept = {dim for dims in prepared.dims.values() for dim in dims}
     cells = {
@@ -207,12 +206,14 @@ def complete_already(
     for path, target in targets.items():
         if "://" in target or not Path(target).exists():
             continue  # an object store is looked at when it is opened
-        if resume and is_complete(target, studies[path]):
+        is_same = is_complete(target, studies[path])
+        if resume and is_same:
             if _is_whole(studies[path], target):
                 complete.append(path)
             continue
         if not force or is_zarr(target):
             fix = REMOVE if is_zarr(target) else REPLACE
+            fix = "It is of this study: add --resume to keep or continue it. " * is_same + fix
             problems[path] = [Problem("output", f"{target} exists already", fix)]
     if problems:
         refuse(problems)

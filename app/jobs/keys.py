@@ -134,7 +134,7 @@ class Keys:
         problems = _problems_of(key, days)
         with self._database.transaction() as connection:
             if any(other.name == key.name and other.in_force(now) for other in self.all()):
-                fix = f"Give another, or withdraw that one: vibrafeed key withdraw {key.name}"
+                fix = f"Give another name, or withdraw that key: vibrafeed key withdraw {key.name}"
                 problems.append(
                     Problem("name", f"a valid key with the name {key.name!r} exists already", fix)
                 )
@@ -227,16 +227,16 @@ def _problems_of(key: Key, days: float | None) -> list[Problem]:
     problems = []
     if not NAME.fullmatch(key.name):
         fix = "Use 1 to 40 letters, digits, '.', '_' and '-'"
-        problems.append(Problem("name", f"{key.name[:60]!r} is not a name", fix))
+        problems.append(Problem("name", f"{key.name[:60]!r} is not a valid name of a key", fix))
     if key.role not in ROLES:
-        fix = f"There are {', '.join(ROLES)}"
+        fix = f"Choose one of {', '.join(ROLES)}"
         problems.append(Problem("role", f"{key.role[:60]!r} is not a role", fix))
     for name in ("requests", "jobs", "cells", "bytes"):
         limit = getattr(key, name)
         if limit is not None and not 1 <= limit <= MAX_LIMIT:
             fix = "Give a whole number of 1 or more, or leave it out for no limit"
-            problems.append(Problem(name, f"{limit:g} cannot be", fix))
+            problems.append(Problem(name, f"{limit:g} is not a valid limit", fix))
     if days is not None and not 0 < days <= MAX_DAYS:
-        fix = f"Give more than 0 and at most {MAX_DAYS:,}, or leave it out for no end"
-        problems.append(Problem("days", f"{days:g} cannot be", fix))
+        fix = f"Give more than 0 and at most {MAX_DAYS:,}, or leave it out for a key without end"
+        problems.append(Problem("days", f"a key cannot be valid for {days:g} days", fix))
     return problems

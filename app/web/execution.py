@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 from pydantic import BaseModel, ConfigDict, Field, RootModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from vibrafeed.core.errors import Problem, StudyError
+from vibrafeed.core.errors import Problem, StudyError, refused
 from vibrafeed.core.kinds import KINDS
 from vibrafeed.core.plan.pieces import Kind
 from vibrafeed.core.study.grid_study import Study
@@ -117,12 +117,11 @@ def read_execution(content: object, kind: str) -> tuple[object, bool]:
         return content, as_document
     own_kind = content.get("kind", kind)
     if own_kind != kind:
-        problem = Problem(
+        raise refused(
             "kind",
-            f"this process takes studies of kind '{kind}', not of kind {str(own_kind)[:60]!r}",
-            f"Write kind = '{kind}', or post the study to the process of its own kind",
+            f"this process accepts studies of kind '{kind}', not of kind {str(own_kind)[:60]!r}",
+            f"Set kind = '{kind}', or post the study to the process of its own kind",
         )
-        raise StudyError([problem])
     return {"kind": kind, **content}, as_document
 
 

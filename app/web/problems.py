@@ -150,7 +150,7 @@ def _invalid(request: Request, error: Exception) -> Response:
     # The input is not echoed: it may hold values that JSON has no word for.
     assert isinstance(error, RequestValidationError)
     problems = [
-        Problem(".".join(map(str, item["loc"]))[:60] or "body", item["msg"], "Fix the value")
+        Problem(".".join(map(str, item["loc"]))[:60] or "body", item["msg"], "Correct the value")
         for item in error.errors()
     ]
     return problem_document(

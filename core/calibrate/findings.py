@@ -24,12 +24,6 @@ FAR = 3.5  # errors: a run with a larger residual is named
 LITTLE = 0.1  # bit: a candidate run that adds less is not proposed
 
 
-def in_unit(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
-    """Return a value with a readable unit as text; `unit` is the value's own."""
-    shown = units.of(unit, abs(value))
-    return f"{shown.factor * value:.{digits}g} {shown.unit}".rstrip()
-
-
 def format_rounded(value: float, deviation: float, unit: str, units: ShownUnits) -> str:
     """Return a value with a readable unit as text, with the digits that its deviation justifies.
 
@@ -82,12 +76,12 @@ class Findings:
         """Return all findings as sentences, one per line, the most important first."""
         sentences = [
             *self._trustworthiness(),
+            *self._misfit(),
             *self._estimates(),
             *self._modes(),
             *self._undetermined(),
             *self._unknowns_at_bounds(),
             *self._scatter(),
-            *self._misfit(),
             *self._outlying_runs(),
             *self._next_measurement(),
         ]
@@ -125,7 +119,7 @@ class Findings:
         modes = []
         for k, share in enumerate(shares):
             values = [
-                f"{one.name} {in_unit(self.arrays[f'mode_{one.name}'][k], one.unit, self.units)}"
+                f"{one.name} {self.units.text(self.arrays[f'mode_{one.name}'][k], one.unit)}"
                 for one in self.model.unknowns
             ]
             modes.append(f"{', '.join(values)} ({100 * share:.0f} %)")
@@ -195,7 +189,7 @@ class Findings:
             ):
                 is_at_bound = abs(axis[position] - bound) < 1e-9 * unknown.width
                 if is_at_bound and density[position] > AT_BOUND * density.max():
-                    value = in_unit(bound, unknown.unit, self.units)
+                    value = self.units.text(bound, unknown.unit)
                     beyond = f"its {word} bound, {value}: widen its range"
                     yield f"{unknown.name} may lie beyond {beyond}"
 
@@ -204,9 +198,9 @@ class Findings:
         sizes = self.prepared.likelihood.scatter.sizes
         if sizes.size == 1:
             return
-        size = in_unit(self._value("discrepancy"), self.output.unit, self.units)
+        size = self.units.text(self._value("discrepancy"), self.output.unit)
         rms = float(np.sqrt(np.nanmean(np.square(self.arrays["residual"]))))
-        residual = in_unit(rms, self.output.unit, self.units, 4)
+        residual = self.units.text(rms, self.output.unit, 4)
         if not runs.errors_known:
             yield (
                 f"The best values leave residuals of {residual} (rms); no errors were given to "
@@ -217,9 +211,10 @@ class Findings:
         if probability < 0.5:
             yield f"Their errors explain what was measured; the residuals are {residual} (rms)"
         else:
+            percent = "more than 99" if probability > 0.99 else f"{100 * probability:.0f}"
             yield (
-                f"The measured values scatter by some {size} beyond their errors "
-                f"({100 * probability:.0f} % likely), which no unknown explains"
+                f"The measured values scatter by about {size} more than their errors allow "
+                f"({percent} % likely); no unknown explains it"
             )
 
     def _misfit(self) -> Iterator[str]:
@@ -265,7 +260,7 @@ class Findings:
         best = int(np.argmax(gain))
         values = {name: column[best] for name, column in columns_of(grid).items()}
         parameters = ", ".join(
-            f"{name} {in_unit(value, QUANTITIES[name].unit, self.units)}"
+            f"{name} {self.units.text(value, QUANTITIES[name].unit)}"
             for name, value in values.items()
             if name in grid.along or len(grid.axes) == 0
         )
@@ -274,7 +269,7 @@ class Findings:
             yield f"No candidate would add much: after the best of them {interval}"
             return
         expected, spread = (
-            in_unit(self.arrays[statistic].ravel()[best], self.output.unit, self.units)
+            self.units.text(self.arrays[statistic].ravel()[best], self.output.unit)
             for statistic in ("expected", "expected_deviation")
         )
         yield (
@@ -292,8 +287,8 @@ class Findings:
         width = self._value(f"upper_95_{narrowest.name}") - self._value(
             f"lower_95_{narrowest.name}"
         )
-        now = in_unit(width, narrowest.unit, self.units, 2)
-        after = in_unit(width * float(ratios[narrowest]), narrowest.unit, self.units, 2)
+        now = self.units.text(width, narrowest.unit, 2)
+        after = self.units.text(width * float(ratios[narrowest]), narrowest.unit, 2)
         return (
             f"the 95 % interval of {narrowest.name} is expected to be {after} wide, and not {now}"
         )

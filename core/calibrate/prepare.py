@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from vibrafeed.core.calibrate.boxes import Likelihood, Scatter
-from vibrafeed.core.calibrate.calibration import ENSEMBLE, MAX_CANDIDATES, Calibration
+from vibrafeed.core.calibrate.calibration import MAX_CANDIDATES, Calibration
 from vibrafeed.core.calibrate.model import AMPLITUDE, SEEN, SPEEDS, Model, Runs, Unknown
-from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
+from vibrafeed.core.errors import Problem, StudyError, given_twice, raise_any, refused
 from vibrafeed.core.mechanics.arrays import Array
 from vibrafeed.core.motion.drive_units import unit_of
 from vibrafeed.core.motion.plate import PLATE
@@ -111,7 +111,7 @@ def choose(name: str, method: str | None, parameters: Collection[str]) -> Chosen
     unit, unit_problems = unit_of(parameters)
     raise_any(unit_problems)
     if method is not None:
-        problems.append(Problem("method", "a drive unit has closed forms alone", "Remove it"))
+        problems.append(Problem("method", "a drive unit has only closed forms", "Remove method"))
     chosen = unit.variant if unit and unit.variant in scene.variants else variant
     return scene, chosen, problems
 
@@ -132,8 +132,9 @@ def _questions_on_tiny_errors(runs: Runs) -> Iterable[str]:
                 for error in (errors[k], median_of_others)
             )
             yield (
-                f"run {k + 1} has an error of {small}, the others of some {large}, so that it "
-                "outweighs them. If it is a share of a speed near 0, give a value"
+                f"run {k + 1} has an error of {small}, and the other runs of about {large}, so it "
+                "outweighs them all. If the error is a percentage of a speed near 0, "
+                "give it as a value"
             )
 
 
@@ -141,16 +142,18 @@ def _problems_of_fields(study: CalibrateStudy) -> Iterable[Problem]:
     if study.verify is not None:
         yield Problem(
             "verify",
-            "a calibration is not verified cell by cell",
-            "Leave it out, and simulate the best values with verify",
+            "a calibration cannot be verified",
+            "Remove verify. Simulate the best values and verify that simulation",
         )
-    for name, value in study.values().items():
-        if not isinstance(value, Fixed):
-            yield Problem(
-                f"parameters.{name}",
-                "it has several values",
-                "Give one value that all runs share; put values that differ in the observations",
-            )
+    yield from (
+        Problem(
+            f"parameters.{name}",
+            f"{name} has several values",
+            "Give one value for all runs here, or a value for each run in observations",
+        )
+        for name, value in study.values().items()
+        if not isinstance(value, Fixed)
+    )
 
 
 def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
@@ -169,14 +172,14 @@ def _problems_of_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
     if not count:
         yield Problem(
             "unknowns",
-            "no unknown is given",
-            "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }",
+            "the study has no unknown parameter",
+            "Add one, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }",
         )
     if count > MAX_UNKNOWNS:
         yield Problem(
             "unknowns",
-            f"there are {count} unknowns: a grid of that dimension would be too coarse to trust",
-            f"Look for {MAX_UNKNOWNS} at most: move those that matter least to the parameters",
+            f"the study has {count} unknowns, and at most {MAX_UNKNOWNS} can be estimated",
+            "Give the unknowns that matter least a fixed value in [parameters]",
         )
 
 
@@ -187,24 +190,16 @@ def _columns(study: CalibrateStudy, problems: list[Problem]) -> dict[str, Array]
     for name in names:
         rows_without = [k for k, row in enumerate(rows, 1) if name not in row]
         if rows_without:
-            number_of_rows = f" ({len(rows_without)} such rows)" if len(rows_without) > 1 else ""
+            number_of_rows = f" ({len(rows_without)} rows lack it)" if len(rows_without) > 1 else ""
             problems.append(
                 Problem(
                     f"observations row {rows_without[0]}, {name}",
-                    f"other runs have {name}, and this one has not" + number_of_rows,
-                    "Give it in every run, or once among the parameters",
+                    f"this run has no {name}, but other runs have one" + number_of_rows,
+                    f"Give {name} in every run, or once in [parameters]",
                 )
             )
     columns = {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
-    for name in columns:
-        if name in study.values():
-            problems.append(
-                Problem(
-                    f"parameters.{name}",
-                    f"{name} is in the parameters and in the observations",
-                    "Give it once",
-                )
-            )
+    problems += given_twice("parameters", study.values(), "observations", columns)
     return columns
 
 
@@ -217,16 +212,16 @@ def _observed_output(study: CalibrateStudy) -> tuple[str, list[Problem]]:
             problems.append(
                 Problem(
                     f"observations row {k}",
-                    f"it gives both {' and '.join(outputs)}",
-                    "Give one of them",
+                    f"this run has {len(outputs)} measured values: {' and '.join(outputs)}",
+                    "Keep one of them",
                 )
             )
         elif not outputs and row.regime is None:
             problems.append(
                 Problem(
                     f"observations row {k}",
-                    f"the run in row {k} of the observations has no measured value",
-                    f"Give {', '.join(OBSERVED)} or regime",
+                    "this run has no measured value",
+                    f"Give one of {', '.join(OBSERVED)}, or the observed regime",
                 )
             )
     outputs_used = [
@@ -236,8 +231,8 @@ def _observed_output(study: CalibrateStudy) -> tuple[str, list[Problem]]:
         problems.append(
             Problem(
                 "observations",
-                f"some runs give {outputs_used[0]}, others {outputs_used[1]}",
-                "Give the same one in all runs of observations",
+                f"{outputs_used[0]} was measured in some runs, and {outputs_used[1]} in others",
+                "Give the same output in all runs",
             )
         )
     any_speed = "velocity_towards" if study.scene == PLATE else "conveying_velocity"
@@ -269,8 +264,8 @@ def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
         problems.append(
             Problem(
                 f"observations row {runs_without[0]}, error",
-                "other runs have an error, and this one has not",
-                "Give error in every run, once for all above them, or nowhere",
+                "this run has no error, but other runs have one",
+                "Give error in every run, once for all runs at the top of the study, or in no run",
             )
         )
     return np.array(errors), problems
@@ -286,15 +281,15 @@ def _problems_of_places(
             table = "observations" if unknown.parameter in columns else "parameters"
             yield Problem(
                 path,
-                f"{unknown.parameter} is unknown, and given in the {table}",
-                f"Give {unknown.parameter} once, or unknown offsets or factors of it: "
-                "[offsets], [factors]",
+                f"{unknown.parameter} is an unknown, but the {table} give its value",
+                f"Remove {unknown.parameter} from one of the two. To estimate an error of the "
+                "given values, use [offsets] or [factors]",
             )
         elif unknown.table != "unknowns" and unknown.parameter not in names:
             yield Problem(
                 path,
-                f"there is no {unknown.parameter} among the parameters or observations",
-                "Give the parameter that it changes, or move it to [unknowns]",
+                f"[{unknown.table}] changes {unknown.parameter}, which has no value",
+                f"Give {unknown.parameter} in [parameters] or each run, or move it to [unknowns]",
             )
 
 
@@ -328,8 +323,8 @@ def _parameter_ranges(
             problems.append(
                 Problem(
                     f"{unknown.table}.{unknown.parameter}",
-                    f"with it {unknown.parameter} may come {word} {least:g}{quantity.suffix}",
-                    "Narrow its range",
+                    f"its range lets {unknown.parameter} go {word} {least:g}{quantity.suffix}",
+                    "Narrow the range",
                 )
             )
         ranges[unknown.parameter] = Span(low, high, 2) if high > low else Fixed(low)
@@ -343,16 +338,17 @@ def _problems_of_candidates(
 ) -> Iterable[Problem]:
     for name in candidate_values:
         if name not in columns:
-            fault = "all runs share it" if name in shared else "no run has it"
+            fault = f"all runs share {name}" if name in shared else f"no run has a value of {name}"
             yield Problem(
-                f"candidates.{name}", fault, "Range over parameters that differ between the runs"
+                f"candidates.{name}", fault, "Choose parameters that differ between the runs"
             )
     cells = Grid.of(candidate_values).cells if candidate_values else 0
     if cells > MAX_CANDIDATES:
         yield Problem(
             "candidates",
-            f"there are {cells:,} of them, each of which takes {ENSEMBLE} motions",
-            f"Give at most {MAX_CANDIDATES:,}",
+            f"the study has {cells:,} candidates for the next run, at most {MAX_CANDIDATES:,} are "
+            "allowed",
+            "Give fewer values",
         )
 
 
@@ -363,14 +359,16 @@ def _problems_of_scene(
         for row, run in enumerate(study.observations, 1):
             if run.regime is not None:
                 place = f"observations row {row}, regime"
-                yield Problem(place, "a drive unit has no part to be seen", "Remove it")
+                yield Problem(place, "a drive unit has no regime of a part", "Remove regime")
         if output != AMPLITUDE:
             message = f"a drive unit has no {output}"
-            yield Problem("observations", message, "Give track_amplitude, zero to peak")
+            yield Problem(
+                "observations", message, "Give the measured track_amplitude, zero to peak"
+            )
     elif scene.name not in CONTACTS:
         yield Problem(
             "scene",
-            f"the scene {scene.name} gives no conveying velocity to calibrate",
+            f"the scene {scene.name} has no conveying velocity, which a calibration needs",
             f"Choose among {', '.join(CONTACTS)}",
         )
     yield from problems_of_settings(study, scene, method)
@@ -394,6 +392,7 @@ def _problem_of_few_runs(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -
     if 0 < measured < len(unknowns) + 2:
         yield Problem(
             "error",
-            f"no error is known, and {measured} measured runs do not show their scatter",
+            f"the error of the measured values is not given, and {measured} runs are too few to "
+            "estimate it",
             f'Give error, such as "5 %", or at least {len(unknowns) + 2} runs',
         )

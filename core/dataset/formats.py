@@ -53,6 +53,8 @@ class Format:
     package : tuple of str and str or None, optional
         The package that writes it, on whose version the bytes depend, and the extra that it belongs
         to.
+    seconds_a_value : float
+        Roughly, of writing a value, where that takes long.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Format:
     check: Callable[[Size], None] = _everything
     media: str | None = None
     package: tuple[str, str | None] | None = None
+    seconds_a_value: float = 0.0
 
     def needs(self) -> None:
         """Raise `MissingPackageError` if its package is not installed."""
@@ -177,7 +180,7 @@ FORMATS: Final[Mapping[str, Format]] = {
         "Excel", partial(_write_rows, workbook.xlsx), workbook.xlsx,
         workbook.check,
         media="application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
-        package=("xlsxwriter", None),
+        package=("xlsxwriter", None), seconds_a_value=5e-6,
     ),
     ".mat": Format("MATLAB", matlab.write_mat, check=matlab.check),
 }  # fmt: skip

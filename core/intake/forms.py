@@ -30,18 +30,21 @@ from vibrafeed.core.tables.text import text_of
 DEEPEST = 32  # levels of nesting; a study has 5, an execute request around it 2
 # What no study comes near: who sends more is refused before it is looked at closely.
 MAX_KEYS = 1_000  # of one object of JSON
-EXPECTED = "Send one JSON object, a study"
+EXPECTED = "Send the study as one JSON object"
 SYNTAX = "Fix the syntax there"
 NO_STUDIES = {
-    ".nc": ("it is a result, not a study", "Draw it with `vibrafeed plot`, or name its study"),
+    ".nc": (
+        "it is a result, not a study",
+        "Draw it with `vibrafeed plot`, or give the study's file",
+    ),
     **dict.fromkeys(
         (".csv", ".parquet", ".xlsx", ".mat"),
-        ("it is a table, not a study", "Name a TOML or JSON study"),
+        ("it is a table, not a study", "Give a study in TOML or JSON"),
     ),
 }  # what other files are, and what to do instead of running them
 MAX_BRACKETS = 10_000  # objects and lists of one text
 LARGEST = sys.float_info.max
-TOO_LARGE = "it is a number larger than 1.8e308", "Fix the value"
+TOO_LARGE = "the number is larger than 1.8e308", "Write a smaller number"
 _TOO_LONG = "set_int_max_str_digits"  # in Python's message on an integer of thousands of digits
 _HALVES = re.compile("[\ud800-\udfff]")
 
@@ -56,6 +59,8 @@ def read_content(path: Path) -> object:
     suffix = path.suffix.lower()
     if suffix in NO_STUDIES:
         _fail("file", *NO_STUDIES[suffix])
+    if path.is_dir():
+        _fail("file", "it is a folder", f"Name the studies in it, such as {path.as_posix()}/*.toml")
     try:
         text = path.read_text(encoding="utf-8-sig")  # with or without a byte order mark
     except UnicodeDecodeError as error:
@@ -71,7 +76,12 @@ def read_content(path: Path) -> object:
             error,
         )
     except OSError as error:
-        _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
+        _fail(
+            "file",
+            f"it cannot be read: {error.strerror}",
+            "Give the path of a study in TOML or JSON",
+            error,
+        )
     content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
     if isinstance(content, dict):
         return _with_files(content, lambda name: str(path.parent / name))
@@ -93,7 +103,11 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
                 )
             raise StudyError([problem]) from None
         form = other.removeprefix(".").upper()
-        _fail("file", f"this is {form}, and its name ends in {suffix}", f"Name it {stem}{other}")
+        _fail(
+            "file",
+            f"the file contains {form}, but its name ends in {suffix}",
+            f"Rename it to {stem}{other}",
+        )
 
 
 def read_toml(text: str) -> object:
@@ -109,10 +123,13 @@ def read_toml(text: str) -> object:
         match = re.search(r"at line (\d+)", str(error))
         number = int(match[1]) if match else 0
         _refuse_comma("file", text, number)
+        line = text.rstrip().split("\n")[number - 1].strip()  # the last one where none is named
         fix = f'{SYNTAX}: put texts, such as "20 deg", in quotes'
-        if number and re.search(r'"[^"]*\\', text.split("\n")[number - 1]):
+        if re.search(r'"[^"]*\\', line):
             fix = "In a path write / for \\, or set the path in '...'"
-        _fail("file", f"it is not TOML: {error}", fix, error)
+        elif line.count('"') % 2:
+            fix = "Is a quote missing there?"
+        _fail("file", f"it is not TOML: {error}, in the line {line[:60]}", fix, error)
     _check_values(content, texts="\\" in text or not text.isascii())
     return content
 
@@ -128,7 +145,7 @@ def read_json(text: str | bytes) -> object:
         # json itself would accept other encodings, and lone surrogates.
         text = text if isinstance(text, str) else text.decode("utf-8-sig")
         if text.count("[") + text.count("{") > MAX_BRACKETS:
-            _fail("body", f"it holds more than {MAX_BRACKETS:,} objects and lists", EXPECTED)
+            _fail("body", f"it has more than {MAX_BRACKETS:,} objects and lists", EXPECTED)
         content: object = json.loads(
             text, object_pairs_hook=_unique, parse_constant=_refuse_constant
         )
@@ -162,7 +179,7 @@ _READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": rea
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(pairs) > MAX_KEYS:
         subject = f"the object that begins with '{_shown(pairs[0][0])}'"
-        _fail("body", f"{subject} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,}")
+        _fail("body", f"{subject} has {len(pairs):,} keys", f"Give at most {MAX_KEYS:,} keys")
     content = dict(pairs)
     if len(content) < len(pairs):
         names = [name for name, _ in pairs]
@@ -184,7 +201,11 @@ def _check_values(content: object, *, texts: bool) -> None:
                 for key, value in container.items():
                     inner_path = f"{path}.{_shown(key)}".lstrip(".")
                     if texts and _is_no_text(key):
-                        _fail(inner_path, "its name holds an invalid character", "Fix the name")
+                        _fail(
+                            inner_path,
+                            "the name of the key has an invalid character",
+                            "Remove that character",
+                        )
                     _check_plain(inner_path, (value,), texts)
                     if isinstance(value, dict | list):
                         next_level.append((inner_path, value))
@@ -196,7 +217,7 @@ def _check_values(content: object, *, texts: bool) -> None:
         if not next_level:
             return
         level = next_level
-    _fail(level[0][0][:100] or "body", "it is nested too deeply", EXPECTED)
+    _fail(level[0][0][:100] or "body", f"it is nested more than {DEEPEST} levels deep", EXPECTED)
 
 
 def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
@@ -207,8 +228,8 @@ def _check_plain(path: str, values: Sequence[Any], texts: bool) -> None:
     if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
         _fail(
             path or "body",
-            "it holds an invalid character: NUL, or half of a surrogate pair",
-            "Fix the value",
+            "the text has an invalid character: NUL, or half of a surrogate pair",
+            "Remove that character",
         )
 
 
@@ -273,8 +294,8 @@ def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
     if len(body) > LONGEST_ARGUMENT:
         raise refused(
             "study",
-            f"it has {len(body):,} bytes, more than a command line holds",
-            "Write it to a file with `vibrafeed convert STUDY --to json`, and send that: "
+            f"the study has {len(body):,} bytes, which is too long for a command line",
+            "Write it to a file with `vibrafeed convert STUDY --to json`, and send the file: "
             f"curl --data-binary @FILE {address}",
         )
     return (
@@ -314,6 +335,12 @@ def to_python(content: Mapping[str, Any]) -> str:
     if not set(parameters) & set(keys_of_studies()):
         keywords.pop("parameters", None)
         keywords |= parameters
+    if not hasattr(sys.modules["vibrafeed"], content["kind"]):  # added to the table of kinds
+        raise refused(
+            "kind",
+            f"vibrafeed has no Python function for the kind '{content['kind']}'",
+            "Run the study with `vibrafeed run`, or convert it to TOML or JSON",
+        )
     lines = [f"    {name}={_literal(value, len(name) + 5)}," for name, value in keywords.items()]
     call = f"dataset = vibrafeed.{content['kind']}("
     return "\n".join(["import vibrafeed", "", call, *lines, ")", "print(dataset)", ""])
@@ -377,7 +404,9 @@ def _with_text(drive: Mapping[str, Any]) -> dict[str, Any]:
     try:
         data = text_of(Path(file).read_bytes())
     except (OSError, ValueError) as error:
-        raise refused("drive.file", f"{file} cannot be read: {error}", "Name a CSV") from None
+        raise refused(
+            "drive.file", f"{file} cannot be read: {error}", "Give the path of a CSV file"
+        ) from None
     return {**{name: value for name, value in drive.items() if name != "file"}, "data": data}
 
 

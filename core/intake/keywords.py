@@ -91,8 +91,8 @@ def spread(written: Mapping[str, Any]) -> dict[str, Any]:
         raise_any(
             Problem(
                 f"parameters.{name}",
-                "it is given twice",
-                "Give it once: by itself, or among the parameters",
+                f"{name} is given twice: as a keyword and in parameters",
+                "Remove one of the two",
             )
             for name in parameters_beside
             if name in parameters
@@ -119,13 +119,13 @@ def paired_in(written: Mapping[str, Any]) -> set[str]:
     counts = Counter(dimension_of_parameter.values())
     shared = [dimension for dimension, count in counts.items() if count > 1 or dimension == DESIGN]
     if len(shared) > 1:
-        message = f"arrays share the dimensions {' and '.join(shared)}, and designs have one"
-        raise refused("designs", message, "Give all of them along one dimension")
+        message = f"arrays share the dimensions {' and '.join(shared)}, but designs have only one"
+        raise refused("designs", message, "Give all these arrays along one dimension")
     raise_any(
         Problem(
             f"parameters.{name}",
-            f"its array is along '{dimension}', another parameter",
-            f"Give a list if all combinations with {dimension} are meant",
+            f"the dimension of its array is named '{dimension}', which is another parameter",
+            f"Give a list to compute all combinations with {dimension}",
         )
         for name, dimension in dimension_of_parameter.items()
         if dimension != letter_of(name) and dimension in PARAMETERS and dimension not in shared
@@ -158,8 +158,8 @@ def plain(value: object, path: str) -> Any:
         if value[MAX_POINTS:]:
             raise refused(
                 path,
-                f"{value} is too long",
-                f"One axis holds {MAX_POINTS:,} values at most; take a larger step",
+                f"{value} has too many values",
+                f"Take a larger step: an axis has at most {MAX_POINTS:,} values",
             )
         return list(value)
     return _numbers(value, path)
@@ -171,7 +171,7 @@ def _numbers(value: Any, path: str) -> Any:
     if isinstance(attributes, dict) and attributes.keys() & {"scale_factor", "add_offset"}:
         raise refused(
             path,
-            "the numbers of the array are not decoded",
+            "the scale_factor or add_offset of the array is not applied",
             "Open the file with mask_and_scale=True, the default of xarray",
         )
     numbers, unit = split_unit(value)
@@ -220,7 +220,7 @@ def _content_of(study: object) -> dict[str, Any]:
             return study
     raise refused(
         "study",
-        f"'{type(study).__name__}' is neither a study, a path nor a mapping",
+        f"a value of type {type(study).__name__} is neither a study, a path nor a mapping",
         "Give a study, a path or a mapping, or the keys as keyword arguments",
     )
 

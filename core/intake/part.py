@@ -93,7 +93,7 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
 
     `files` is True if files of this machine may be read. Raises `StudyError` with every problem.
     """
-    _raise_if_missing("trimesh", "a part from its file")
+    _raise_if_missing("trimesh", "reading a part from a file")
     from vibrafeed.core.solid import RoundedError, aspects_of  # trimesh takes half a second
 
     try:
@@ -111,9 +111,9 @@ def read_part(part: Mapping[str, Any], files: bool) -> PartOfFile:
     except RoundedError as error:
         raise refused(
             path,
-            f"{error}: more than it can rest on by itself, such as facets of a rounded side",
-            "Export it with finer facets, or give a round part as another variant, such as "
-            "cylinder",
+            f"{error}. These are probably facets of a rounded side, on which a real part rolls",
+            "Export the part with finer facets, or describe a round part by another variant, such "
+            "as cylinder",
         ) from None
     surface = _coarse_surface(solid)
     return PartOfFile(
@@ -205,14 +205,14 @@ def _kind(raw: bytes, name: str) -> str:
 def _raise_if_unit_is_wrong(kind: str, unit: str | None) -> None:
     """A STEP file says its unit, and trimesh gives it in metres; the others say none."""
     if kind == "step" and unit is not None:
-        raise refused("part.unit", "a STEP file says its unit itself", "Remove unit")
+        raise refused("part.unit", "a STEP file states its own unit", "Remove unit")
     if kind != "step" and unit is None:
         fix = f"Give the unit of the file's coordinates: {', '.join(UNITS)}"
-        raise refused("part.unit", "it is missing", fix)
+        raise refused("part.unit", "the unit is missing", fix)
 
 
 def _damaged(path: str, says: str) -> StudyError:
-    return refused(path, f"the file is damaged, or is not of its kind: {says}"[:300], EXPORT)
+    return refused(path, f"the file is damaged or of another kind: {says}"[:300], EXPORT)
 
 
 def _triangles_of_obj(raw: bytes) -> int:
@@ -227,7 +227,7 @@ def _tessellated(raw: bytes, name: str, path: str) -> bytes:
 
     A process of its own converts it: the library prints, and a damaged file can end its process.
     """
-    _raise_if_missing("cascadio", "a STEP file")
+    _raise_if_missing("cascadio", "reading a STEP file")
     if b"DOCUMENT_FILE" in raw:
         raise refused(path, f"{name} refers to other files", "Export the part as one STEP file")
     with TemporaryDirectory() as folder:
@@ -256,7 +256,7 @@ def _solid(raw: bytes, name: str, path: str, unit: str | None) -> "Trimesh":
         if _triangles_of_obj(raw) > MAX_TRIANGLES:
             raise _too_large(path, name)
         if re.search(rb"^f(?=\s)[^#\n]*\s0+(?=[/\s]|$)", raw, re.MULTILINE):
-            raise _damaged(path, f"{name}: a face names the vertex 0, and they begin at 1")
+            raise _damaged(path, f"{name}: a face uses vertex 0, but vertices are numbered from 1")
         # Without these lines, since trimesh splits the surface by material and by object.
         raw = re.sub(rb"^(usemtl|mtllib|o|g)\s.*", b"", raw, flags=re.MULTILINE)
     try:
@@ -290,7 +290,7 @@ def _faults(solid: "Trimesh", name: str, path: str) -> Iterable[Problem]:
     repair = f"{EXPORT}, or fix it with a repair tool such as MeshLab"
     if not solid.is_watertight:
         yield Problem(
-            path, f"the surface of {name} is not closed, or has edges of three triangles", repair
+            path, f"the surface of {name} is not closed, or three triangles share an edge", repair
         )
     if not solid.is_winding_consistent:
         yield Problem(path, f"some triangles of {name} face outwards, others inwards", repair)
@@ -321,7 +321,7 @@ def _bodies(solid: "Trimesh") -> int:
 def _absent(stranger: Stranger) -> Problem:
     return Problem(
         stranger.place,
-        "studies of this kind take no part from a file",
+        "a study of this kind cannot use a part from a file",
         'Write kind = "sweep", "optimise" or "sensitivity"',
     )
 

@@ -92,7 +92,7 @@ def no_parameter(stranger: Stranger) -> Problem:
     if name in stranger.keys:
         return Problem(
             stranger.place,
-            f"'{name}' is a key of the study, but stands in the section [{within}]",
+            f"'{name}' is a key of the study, but it is in the section [{within}]",
             f"Move {name} above the line [{within}]",
         )
     return Problem(
@@ -190,11 +190,11 @@ VALUES: Final[Mapping[str, tuple[str, str]]] = {
     "greater_than": (_FEW, "Write more than {gt:.15g}"),
     "less_than_equal": (_MANY, "Write at most {le:.15g}"),
     "less_than": (_MANY, "Write less than {lt:.15g}"),
-    "too_short": ("it has too few entries", "Give at least {min_length}"),
-    "too_long": ("it has more than {max_length:,} entries", "Give at most {max_length:,}"),
-    "string_too_long": ("it has more than {max_length:,} characters", "Shorten it"),
+    "too_short": ("the list has too few entries", "Give at least {min_length}"),
+    "too_long": ("the list has more than {max_length:,} entries", "Give at most {max_length:,}"),
+    "string_too_long": ("the text has more than {max_length:,} characters", "Shorten it"),
     **dict.fromkeys(
-        ("literal_error", "enum"), ("{said} is not among its values", "Write {expected}")
+        ("literal_error", "enum"), ("{said} is not one of the allowed values", "Write {expected}")
     ),
 }
 """What is wrong with a value, and what would be right, by pydantic's names of its errors."""
@@ -223,8 +223,8 @@ def problems_of(
             Problem(
                 "parameters",
                 f"{', '.join(outside[:OUTSIDE])}{', ...' if outside[OUTSIDE:] else ''} "
-                f"{'stands' if len(outside) == 1 else 'stand'} outside",
-                "Write them below the line [parameters], in JSON within that object",
+                f"{'is' if len(outside) == 1 else 'are'} outside the section [parameters]",
+                "Write parameters below the line [parameters], in JSON in the object parameters",
             )
         )
         faults = [
@@ -244,7 +244,7 @@ def problems_of(
             Problem(
                 "study",
                 f"{len(faults) - MAX_PROBLEMS:,} further problems are not listed",
-                "Fix these first",
+                "Fix the listed problems first",
             )
         )
     return problems
@@ -281,7 +281,7 @@ def _problem_of_value(
     if kind == "missing":
         return Problem(key, "it is missing", f"Add {str(path[-1])[:60] if path else ''}")
     if kind not in VALUES:
-        return Problem(key, error["msg"].removesuffix("."), "Fix the value or its type")
+        return Problem(key, error["msg"].removesuffix("."), "Correct the value or its type")
     shown_input = _shown(error.get("input"))
     return Problem(key, *(text.format(said=shown_input, **context) for text in VALUES[kind]))
 
@@ -461,8 +461,8 @@ def unreadable(path: str, error: Exception, source: str | Path, kind: str) -> St
     """Return the error of a file, of a kind such as "a CSV file", that the system cannot read."""
     return refused(
         path,
-        f"it cannot be read: {getattr(error, 'strerror', None) or error}",
-        advice_on_path(source, f"Name {kind} by its path from the folder of the study"),
+        f"the file cannot be read: {getattr(error, 'strerror', None) or error}",
+        advice_on_path(source, f"Give the path of {kind}, from the folder of the study"),
     )
 
 
@@ -478,14 +478,14 @@ def source_of(
     `key` is that of the section, `what` the file (such as a recording), `text` what `data` holds.
     `files` is True if files of this machine may be read. Raises `StudyError` for neither, or both.
     """
-    fix = f"Give data = {text}"
-    fix = f"Give file = the name of the {what}, or data = {text}" if files else fix
+    fix = f"Give {text} as data"
+    fix = f"Give the path of the {what} as file, or {text} as data" if files else fix
     if file is not None and data is not None:
-        raise refused(key, f"the {key} gives both file and data", fix)
+        raise refused(key, f"the section {key} has both file and data", fix)
     if data is not None:
         return data
     if file is None:
-        raise refused(key, f"the {key} names no {what}", fix)
+        raise refused(key, f"the section {key} names no {what}", fix)
     if not files:
         raise refused(f"{key}.file", f"the service cannot read the {what} from your computer", fix)
     return file

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from vibrafeed.core.errors import Problem, refused
+from vibrafeed.core.errors import Problem, given_twice, refused
 from vibrafeed.core.intake.part import PART
 from vibrafeed.core.intake.section import (
     DRIVE,
@@ -39,9 +39,7 @@ from vibrafeed.core.tables.text import is_value
 OWN: Final = (*OBSERVED, "error", "regime")
 """Columns that are no parameters."""
 _COLUMNS: Final = (*OWN, *PARAMETERS)
-HEADING = (
-    "Begin it with a line of names and units, such as amplitude [mm], conveying_velocity [mm/s]"
-)
+HEADING = "Add a first row with names and units, such as amplitude [mm], conveying_velocity [mm/s]"
 
 
 def _with_rows(content: Content, files: bool) -> Resolved:
@@ -50,7 +48,7 @@ def _with_rows(content: Content, files: bool) -> Resolved:
         return Resolved(content)
     if not files:
         raise refused(
-            "observations", "the service reads no files", "Give its rows: a list of objects"
+            "observations", "the service cannot read files", "Send the rows as a list of objects"
         )
     return Resolved({**content, "observations": read_rows(Path(observations))})
 
@@ -68,10 +66,12 @@ def read_rows(path: Path, section: str = "observations") -> list[dict[str, Any]]
         raise refused(
             section,
             f"{path.name} cannot be read: {getattr(error, 'strerror', None) or error}",
-            advice_on_path(path, "Name a table in the study's folder, such as a CSV or XLSX file"),
+            advice_on_path(
+                path, "Give the path of a CSV or XLSX file, from the folder of the study"
+            ),
         ) from error
     if all(map(BARE_NUMBER.fullmatch, table.columns)):
-        raise refused(section, f"{path.name} has no heading", HEADING)
+        raise refused(section, f"{path.name} has no row of column names", HEADING)
     columns: dict[str, Column] = {}
     for heading, column in table.columns.items():
         name, unit = letter_of(heading), column.unit
@@ -80,7 +80,7 @@ def read_rows(path: Path, section: str = "observations") -> list[dict[str, Any]]
             name, unit = letter_of(stem), unit or ending
         if name in columns:
             message = f"{path.name} has two columns named {name[:60]}"
-            raise refused(section, message, "Name each column once")
+            raise refused(section, message, "Rename or remove one of the two columns")
         if name in _COLUMNS or not _is_of_remarks(name, column):
             columns[name] = replace(column, unit=unit)
     return replace(table, columns=columns).rows()[:MAX_ROWS]
@@ -127,7 +127,7 @@ def _unknown_column(stranger: Stranger) -> Problem:
     known, shown = (*OWN, *PARAMETERS), (*OWN, *stranger.parameters)
     return Problem(
         stranger.place,
-        f"'{stranger.name}' is not a parameter, and not measured",
+        f"'{stranger.name}' is neither a parameter nor a measured value",
         stranger.suggest(stranger.name, known, shown),
     )
 
@@ -155,7 +155,11 @@ def paired(content: Any) -> tuple[Any, list[Problem]]:
             letter_of(str(name)): parameters.get(str(name)) for name in names
         }
         problems += [
-            Problem("designs.zip", f"{name} is not a list of values", "Give one value a design")
+            Problem(
+                "designs.zip",
+                f"{name} is not a list of values",
+                "Give a list with one value per design",
+            )
             for name, values in columns.items()
             if not isinstance(values, list | tuple)
         ]
@@ -165,17 +169,19 @@ def paired(content: Any) -> tuple[Any, list[Problem]]:
             str(name): [row.get(name) for row in row_tables] for row in row_tables for name in row
         }
         problems += [
-            Problem(f"designs row {values.index(None) + 1}", f"it has no {name}", "Give it")
+            Problem(
+                f"designs row {values.index(None) + 1}",
+                f"this design has no {name}, but other designs have one",
+                f"Give {name} in every design",
+            )
             for name, values in columns.items()
             if None in values
         ]
-        problems += [
-            Problem(f"{section}.{name}", "it is given twice", "Remove it here, or from the designs")
-            for name in columns
-            if name in parameters
-        ]
+        problems += given_twice(section, columns, "designs", parameters)
         if not columns:
-            problems.append(Problem("designs", "they have no rows", "Give rows of parameters"))
+            problems.append(
+                Problem("designs", "the list of designs is empty", "Add at least one row")
+            )
     others = {name: value for name, value in content.items() if name != "designs"}
     if problems:
         return others, problems
@@ -188,7 +194,7 @@ def _with_designs(content: Content, files: bool) -> Resolved:
     if not isinstance(designs, Mapping) or set(designs) != {"file"}:
         return Resolved(content)
     if not files:
-        raise refused("designs.file", "the service reads no files", "Give rows = [...]")
+        raise refused("designs.file", "the service cannot read files", "Send rows = [...]")
     rows = read_rows(Path(str(designs["file"])), "designs")
     return Resolved(*paired({**content, "designs": rows}))
 
@@ -238,9 +244,9 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     from vibrafeed.core.dataset.read import read_netcdf  # few studies need it
 
     key = f"uncertain.{name}.{CALIBRATION}"
-    fix = "Name the NetCDF file that `vibrafeed run` wrote of a study of kind 'calibrate'"
+    fix = "Give the NetCDF file that `vibrafeed run` wrote for a study of kind 'calibrate'"
     if not isinstance(path, str):
-        return Problem(key, "the key calibration is not the path of a file", fix)
+        return Problem(key, "calibration is not the path of a file", fix)
     try:
         table = read_netcdf(Path(path), most_bytes=MAX_BYTES)
     except Exception as error:  # the library raises many kinds for damaged files
@@ -255,8 +261,8 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
         )
         return Problem(
             key,
-            f"{path} has no density of {name}",
-            f"It has those of {densities_in_file}" if densities_in_file else fix,
+            f"{path} has no probability density of {name}",
+            f"The file has densities of {densities_in_file}" if densities_in_file else fix,
         )
     axis, quantity = table.coordinates[name], QUANTITIES[name]
     unit = str(axis.attributes.get("units", quantity.unit))

@@ -119,8 +119,8 @@ class Draft:
                 [
                     Problem(
                         "study",
-                        "the study is not an object with keys and values",
-                        "Write keys with values: kind, scene, outputs, ...",
+                        "the study is not a table of keys and values, in JSON an object",
+                        "Give keys with values, such as kind, scene and outputs",
                     ),
                     *self.problems,
                 ]
@@ -180,7 +180,7 @@ class Draft:
                 return section.absent(stranger)
             return Problem(
                 stranger.place,
-                f"'{name}' is not a key of kind '{kind.name}'",
+                f"'{name}' is not a key of a study of kind '{kind.name}'",
                 stranger.suggest(name, keys),
             )
 
@@ -348,8 +348,8 @@ def study_and_fit(content: object) -> "tuple[SimulateStudy, Fit]":
         draft.problems += [
             Problem(
                 "drive",
-                "the drive of this study names no recording to fit",
-                "Give the file of a study, or a mapping, whose drive has file or data",
+                "the study has no drive from a recording",
+                "Give file or data in the section drive of the study",
             )
         ]
     study: SimulateStudy = draft.check()  # type: ignore[assignment] # whose kind is given
@@ -375,7 +375,11 @@ def prepare_content(content: object, only: str | None = None, *, files: bool = F
     draft = Draft(content)
     if only is not None and draft.kind is not None and kind != only:
         draft.problems.append(
-            Problem("kind", f"'{kind}' is not the kind that is wanted here", f"Set kind = '{only}'")
+            Problem(
+                "kind",
+                f"a study of kind '{only}' is needed here, not '{kind}'",
+                f"Set kind = '{only}'",
+            )
         )
     prepared = draft.resolve(files=files).prepare()
     if only is not None:

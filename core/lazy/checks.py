@@ -37,7 +37,7 @@ def problems_of_names(
         if name not in known
     ]
     problems += [
-        Problem(f"reduce.shares.{key}", "it has no condition", "Give at least one")
+        Problem(f"reduce.shares.{key}", "the share has no condition", "Give at least one")
         for key, conditions in reduction.shares.items()
         if not conditions
     ]
@@ -86,7 +86,7 @@ def problems_of(reduction: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
     their output does not depend on, and quantiles of more cells than memory holds.
     """
     without_effect = [
-        Problem(f"reduce.over.{number}", f"no requested output depends on {name}", "Leave it out")
+        Problem(f"reduce.over.{number}", f"no requested output depends on {name}", f"Remove {name}")
         for number, name in enumerate(reduction.over)
         if name in PARAMETERS and name not in {*grid.along, *grid.fixed}
     ]
@@ -102,9 +102,9 @@ def problems_of(reduction: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
 def _quantiles(reduction: Reduction, grid: Grid) -> Iterator[Problem]:
     cells = grid.size(name for name in reduction.over if name in grid.axes)
     if reduction.quantiles and cells > MOST_FOR_QUANTILES:
-        message = f"quantiles need the {cells:,} cells of one answer in memory, and at most "
-        message += f"{MOST_FOR_QUANTILES:,} are taken"
-        yield Problem("reduce.quantiles", message, "Reduce fewer axes, or ask for shares instead")
+        message = f"each quantile would be taken over {cells:,} cells, and at most "
+        message += f"{MOST_FOR_QUANTILES:,} fit into memory"
+        yield Problem("reduce.quantiles", message, "Reduce over fewer axes, or request shares")
 
 
 def _regimes(reduction: Reduction, plan: Plan) -> Iterator[Problem]:
@@ -114,9 +114,9 @@ def _regimes(reduction: Reduction, plan: Plan) -> Iterator[Problem]:
         for number, condition in enumerate(conditions):
             regimes = regimes_of_verdict.get(condition.name, ())
             if condition.is_regime and condition.value not in regimes:
-                message = f"no cell of this study has a {condition.name} of '{condition.value}'"
+                message = f"{condition.name} is never '{condition.value}' in this study"
                 possible = ", ".join(regimes or regimes_of_verdict)
-                fix = f"It can be in {possible}" if regimes else f"Name one of {possible}"
+                fix = f"Possible values: {possible}" if regimes else f"Choose one of {possible}"
                 yield Problem(f"reduce.shares.{share}.{number}", message, fix)
 
 
@@ -126,4 +126,4 @@ def _levels(reduction: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
         axes = depends.get(level.output, (level.along,))
         if level.along not in axes:
             message = f"{level.output} does not depend on {level.along}"
-            yield Problem(f"reduce.levels.{name}.along", message, "Leave the level out")
+            yield Problem(f"reduce.levels.{name}.along", message, "Remove this level")

@@ -79,7 +79,7 @@ class Reduced(Prepared):
     @property
     def not_lazy(self) -> Problem | None:
         """The problem with computing cells on reading: a reduction has none."""
-        message = "a study with [reduce] stores statistics, not cells that can be read"
+        message = "the result of a study with [reduce] has statistics, but no single cells"
         return Problem("reduce", message, "Remove [reduce]")
 
     @property

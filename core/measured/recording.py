@@ -59,7 +59,7 @@ def clipping_problems(
             first_line = lines[starts[is_run][0] if is_run.any() else starts[0]]
             yield Problem(
                 path,
-                f"column '{name}' is clipped: {is_extreme.sum()} samples hold its {end_word} value "
+                f"column '{name}' is clipped: {is_extreme.sum()} samples have its {end_word} value "
                 f"{values[starts[0]]:g}, first in line {first_line}",
                 "Record again with a wider range of the sensor",
             )
@@ -105,7 +105,7 @@ def _rotation(mounting: object) -> NDArray[np.float64]:
     entries = list(mounting) if isinstance(mounting, list | tuple | np.ndarray) else []
     subject = "the mounting of the sensor is"
     if len(entries) != 3:
-        raise refused("mounting", f"{subject} neither three angles nor a matrix", FIX)
+        raise refused("mounting", f"{subject} neither three angles nor a rotation matrix", FIX)
     if all(np.ndim(entry) == 0 for entry in entries):
         return _rotation_of_angles(entries)
     try:
@@ -117,7 +117,7 @@ def _rotation(mounting: object) -> NDArray[np.float64]:
     if np.linalg.det(matrix) < 0:
         raise refused(
             "mounting",
-            f"{subject} a matrix that mirrors the axes; it has to be a rotation",
+            f"{subject} a matrix that mirrors the axes, not a rotation",
             'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]',
         )
     return Rotation.from_matrix(matrix).as_matrix()
@@ -307,8 +307,8 @@ def read_signal(
         problems.append(
             Problem(
                 "harmonics",
-                f"{str(count)[:40]} orders cannot be fitted",
-                f"Give a whole number from 1 to {MAX_ORDERS}, or leave it out",
+                f"a fit of {str(count)[:40]} harmonics is not possible",
+                f"Give a whole number from 1 to {MAX_ORDERS}, or leave harmonics out",
             )
         )
     if len(table.lines) < min_samples:
@@ -323,8 +323,8 @@ def read_signal(
         problems.append(
             Problem(
                 "unit",
-                "some channels are accelerations, others velocities or displacements",
-                "Name channels of one kind",
+                "the columns are different quantities, such as accelerations and velocities",
+                "Name only columns of one quantity",
             )
         )
     raise_any(problems)
@@ -357,17 +357,23 @@ def read_once(table: InputTable, recording: Recording) -> tuple[Signal, dict[str
     """
     signal = read_signal(table, recording, min_samples=2)
     problems = [
-        Problem(key, "it belongs to a fit, and the recording is followed once", "Leave it out")
+        Problem(
+            key,
+            f"{key} is an option of the fit, and once = true uses the recording without a fit",
+            f"Remove {key}, or once",
+        )
         for key in ("line_frequency", "frequency", "harmonics")
         if getattr(recording, key) is not None
     ]
     if signal.derivative == 0:
-        message = "the recording has displacements, whose accelerations are noise"
-        problems.append(Problem("once", message, "Give velocities or accelerations"))
+        message = "accelerations computed from the recorded displacements would be mostly noise"
+        problems.append(Problem("once", message, "Record velocities or accelerations"))
     if signal.times.size > MAX_SAMPLES_ONCE:
-        message = f"the recording has {signal.times.size:,} samples to follow once"
-        problems.append(Problem("once", message, f"Give at most {MAX_SAMPLES_ONCE:,}"))
-    problems += [Problem("time", gaps, "Record again without them") for gaps in signal.notes]
+        message = (
+            f"once = true allows {MAX_SAMPLES_ONCE:,} samples, and here are {signal.times.size:,}"
+        )
+        problems.append(Problem("once", message, "Shorten the recording, or record more slowly"))
+    problems += [Problem("time", gaps, "Record again without gaps") for gaps in signal.notes]
     raise_any(problems)
     times, values = signal.times - signal.times[0], signal.values
     if signal.derivative == 2:
@@ -397,7 +403,7 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
         problems.append(
             Problem(
                 "mounting",
-                "the mounting is that of a sensor of three columns, which are not given",
+                "the mounting needs the three columns of a triaxial sensor, which are not given",
                 "Give sensor = three columns, instead of a column for each axis",
             )
         )
@@ -407,7 +413,7 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
         problems.append(
             Problem(
                 "sensor",
-                f"the drive names the columns of a sensor, and single ones ({columns[0][0]})",
+                f"columns are given twice: three of a sensor (sensor) and others ({columns[0][0]})",
                 "Give either sensor = three columns, or a column for each axis",
             )
         )

@@ -182,14 +182,14 @@ def _check_decay(times: Array, natural: float, ratio: float, left_over: float) -
     if periods < LEAST_PERIODS:
         raise refused(
             "recording",
-            f"the ring-down has {periods:.2g} periods of {natural:.4g} Hz",
-            f"Record {LEAST_PERIODS:g} periods at least after the knock",
+            f"the ring-down is only {periods:.2g} periods of {natural:.4g} Hz long",
+            f"Record at least {LEAST_PERIODS:g} periods after the knock",
         )
     if left_over > MAX_LEFT or ratio <= 0.0:
         raise refused(
             "recording",
             f"the recording does not decay as a struck feeder does: {100 * left_over:.0f} % of it "
-            f"is not explained by a free vibration of {natural:.4g} Hz",
+            f"is not explained by a free vibration at {natural:.4g} Hz",
             "Record a single knock on the feeder with the drive off, or cut out one",
         )
 

@@ -96,15 +96,15 @@ def read_times(table: InputTable, rate: float | str | None, time: str | None) ->
     if name is None:
         raise refused(
             "rate",
-            "the recording has neither a sampling rate nor a column of times",
-            "Give rate = the samples per second, or time = the name of the column of times",
+            "the recording has neither a sampling rate nor a time column",
+            "Give rate = the samples per second, or time = the name of the time column",
         )
     if is_empty:
         raise refused(
             "time",
-            f"the cells of column '{name}' are not numbers and not times after ISO 8601, such "
-            f"as {str(table.columns[name].cells[0]).strip()[:40]!r} in line {table.lines[0]}",
-            "Give rate = the samples per second, or write seconds, or times such as 12:30:05.002",
+            f"the cells of column '{name}' are neither numbers nor times of ISO 8601, as in "
+            f"{str(table.columns[name].cells[0]).strip()[:40]!r} in line {table.lines[0]}",
+            "Give rate = the samples per second, or write times as seconds or as 12:30:05.002",
         )
     times, assumed = _seconds_of(table, name)
     steps, lines = np.diff(times), table.lines

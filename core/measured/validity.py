@@ -52,7 +52,7 @@ def check_before(signal: Signal) -> None:
     values_finite, times_finite = np.isfinite(signal.values).all(), np.isfinite(signal.times).all()
     problems = []
     if not (values_finite and times_finite):
-        message = "the recording holds values that are not finite numbers"
+        message = "the recording has values that are not finite numbers"
         problems.append(Problem("recording", message, "Remove these values from the recording"))
     if count < LEAST_SAMPLES:
         raise StudyError(
@@ -60,8 +60,8 @@ def check_before(signal: Signal) -> None:
                 *problems,
                 Problem(
                     "recording",
-                    f"it has {count} samples",
-                    f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more",
+                    f"the recording has only {count} samples",
+                    f"Record at least {LEAST_SAMPLES} samples and {LEAST_PERIODS} periods",
                 ),
             ]
         )
@@ -74,14 +74,14 @@ def check_before(signal: Signal) -> None:
         for is_wrong, message, fix in (
             (
                 times_finite and not STEPS[0] <= step <= STEPS[1],
-                f"the recording has a sample every {step:.3g} s, which no recorder does",
-                "Give rate = the samples per second, or the unit of the column of times",
+                f"the recording seems to have one sample every {step:.3g} s",
+                "Give rate = the samples per second, or the unit of the time column",
             ),
             (
                 values_finite and size and not ACCELERATIONS[0] <= size <= ACCELERATIONS[1],
-                f"the values of the recording range over {size:.3g} {_UNITS[signal.derivative]}, "
-                "which no feeder does",
-                "Give the unit of the columns, or record again",
+                f"the recorded values vary by {size:.3g} {_UNITS[signal.derivative]}, which no "
+                "feeder can do",
+                "Give the right unit of the columns, or record again",
             ),
             (
                 not ranges.any(),
@@ -122,10 +122,11 @@ def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
     if len(resolvable) < requested:
         raise refused(
             "harmonics",
-            f"order {requested} of {frequency:.4g} Hz needs "
-            f"{requested * frequency / NYQUIST_SHARE:,.0f} samples a second, the recording has "
+            f"harmonic {requested} of {frequency:.4g} Hz needs "
+            f"{requested * frequency / NYQUIST_SHARE:,.0f} samples per second, and the recording "
+            f"has {samples.size / samples.duration:,.0f}",
             f"{samples.size / samples.duration:,.0f}",
-            f"Ask for {len(resolvable)} at most, or record faster"
+            f"Give harmonics = {len(resolvable)} at most, or record faster"
             if resolvable
             else "Record faster",
         )
@@ -161,11 +162,12 @@ def check_fit(
 
 
 def _too_short(key: str, frequency: float, duration: float) -> Problem:
-    another = ", or give frequency, if it is another" if key == "recording" else ""
+    another = ", or give the frequency if this one is wrong" if key == "recording" else ""
     return Problem(
         key,
-        f"{duration:.4g} s hold {frequency * duration:.3g} periods of {frequency:.4g} Hz",
-        f"Record {LEAST_PERIODS} periods at least, {LEAST_PERIODS / frequency:.3g} s{another}",
+        f"the recording of {duration:.4g} s has only {frequency * duration:.3g} periods of "
+        f"{frequency:.4g} Hz",
+        f"Record at least {LEAST_PERIODS} periods, {LEAST_PERIODS / frequency:.3g} s{another}",
     )
 
 
@@ -176,12 +178,11 @@ def _problem_of_periodicity(
     if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
         return _too_short("recording", line.frequency, samples.duration)
     share = f"{100 * residual_rms / periodic:.0f} % of" if residual_rms < periodic else "more than"
-    strongest = f", most at {line.frequency:.4g} Hz" if stands_out(line, samples.size) else ""
+    strongest = f", mostly at {line.frequency:.4g} Hz" if stands_out(line, samples.size) else ""
     return Problem(
         "recording",
-        "the recording is not periodic: the residual of a fit of "
-        f"{solution.frequency:.4g} Hz and its multiples has {share} their "
-        f"rms{strongest}",
+        f"the recording is not periodic: a fit of {solution.frequency:.4g} Hz and its harmonics "
+        f"leaves a residual with {share} their rms{strongest}",
         "Record the empty feeder at a steady drive (a residual of at most "
         f"{100 * MAX_LEFT:.0f} % is accepted), or correct frequency or harmonics",
     )
@@ -200,8 +201,8 @@ def _steadiness_problems(
         Problem(
             "recording",
             f"the drive is not steady: its rms {axis} is {before:.4g} "
-            f"{_UNITS[signal.derivative]} in the first third, {after:.4g} in the last",
-            "Record when it has settled, or cut out a piece in which it is steady",
+            f"{_UNITS[signal.derivative]} in the first third and {after:.4g} in the last third",
+            "Record after the drive has settled, or keep only a steady part of the recording",
         )
         for axis, before, after, allowed in zip(
             signal.axes, first, last, allowed_change, strict=True
@@ -232,13 +233,13 @@ def _time_unit_problems(signal: Signal, frequency: float) -> list[Problem]:
     if not signal.assumed or usual is None or usual[0] <= frequency <= usual[1]:
         return []
     unit = likely_unit_of_times(frequency)
-    reason = f": they look like {unit}" if unit else ""
+    reason = f", so the unit is probably {unit}" if unit else ""
     return [
         Problem(
             "time",
-            f"column '{signal.assumed}' does not say the unit of its times, and as seconds they "
-            f"give a drive of {frequency:.3g} Hz, where feeders have {usual[0]:g} to "
-            f"{usual[1]:,g} Hz{reason}",
+            f"column '{signal.assumed}' has no unit of time; in seconds, its times would mean a "
+            f"drive of {frequency:.3g} Hz, and feeders have {usual[0]:g} to {usual[1]:,g} Hz"
+            f"{reason}",
             f"Write the unit in the heading, as in '{signal.assumed} [{unit or 'ms'}]', or give "
             "rate = the samples per second and leave time out",
         )
@@ -252,12 +253,12 @@ def _clock_problems(line_frequency: float | None, frequency: float) -> list[Prob
     return [
         Problem(
             "line_frequency",
-            f"the recording repeats with {frequency:.4g} Hz, the line has {line_frequency:g} Hz",
+            f"the recorded drive has {frequency:.4g} Hz, but line_frequency is "
+            f"{line_frequency:g} Hz",
             "Give the frequency of the drive as line_frequency, such as 100 Hz on mains of 50 Hz"
             if abs(ratio - round(ratio)) < TWICE
-            else f"Clocks are trusted within {100 * MAX_CLOCK:.0f} %: correct the "
-            f"sampling rate (rate) "
-            "or line_frequency",
+            else "Correct the sampling rate (rate) or line_frequency: a recorder's clock is not "
+            f"off by more than {100 * MAX_CLOCK:.0f} %",
         )
     ]
 

@@ -115,9 +115,8 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
     if not of_bowl:
         alone = Problem(
             f"parameters.{matches[0][0]}",
-            "stretches belong to the track of a bowl on its drive unit",
-            "Add the parameters of the bowl drive unit: spring_radius, moving_inertia, "
-            "base_inertia",
+            "stretches of the track are used only with the drive unit of a bowl",
+            "Add its parameters: spring_radius, moving_inertia and base_inertia",
         )
         problems.insert(0, alone)
     return (None if problems else Track(count, own)), problems
@@ -130,13 +129,15 @@ def _problems(
         for n in range(1, count + 1):
             if n not in own[stem]:
                 yield Problem(
-                    f"parameters.{stem}_{n}", "it is missing; each stretch needs it", "Add it"
+                    f"parameters.{stem}_{n}",
+                    f"{stem}_{n} is missing; each stretch needs a value",
+                    "Add it",
                 )
     for stem in ("stretch_climb", "stretch_friction"):
         if own[stem] and 1 not in own[stem]:
             yield Problem(
                 f"parameters.{stem}_1",
-                "it is missing: the first stretch has none before it",
+                f"{stem}_1 is missing; a later stretch takes it over, but the first needs a value",
                 "Add it",
             )
     for stem, others in GIVES_WAY.items():

@@ -99,18 +99,18 @@ def _problems(prepared: Simulation, names: Sequence[str], draws: int) -> Iterato
     for axis in prepared.grid.axes:
         yield Problem(
             f"parameters.{axis}",
-            f"{axis} has several values, but the error is computed for one cell",
-            "Give one value",
+            f"{axis} has several values, but the error is computed for a single design",
+            f"Give one value of {axis}",
         )
     if not names:
         yield Problem(
             "drive",
-            "the study takes no number from the recording",
-            "Remove the parameters of the drive, so that they come from the recording",
+            "the study gives all parameters of the drive itself, and uses no recorded value",
+            "Remove these parameters, so that they come from the recording",
         )
     if not LEAST_DRAWS <= draws <= MAX_DRAWS:
         yield Problem(
             "draws",
-            f"draws is {draws:,}, which is outside the limits",
+            f"{draws:,} draws are outside the limits",
             f"Give {LEAST_DRAWS} to {MAX_DRAWS:,} draws",
         )

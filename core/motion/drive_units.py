@@ -61,11 +61,13 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
     if turning and name == "linear-drive-unit":
         variant += "_turning"
     loaded = "conveyed_mass" in of_unit
+    is_line = "spring_angle" in of_unit and name == "linear-drive-unit"
+    line = " and write beta = the spring angle less the climb (gamma)" * is_line
     problems = [
         Problem(
             f"parameters.{other}",
-            f"{other} is computed from the drive unit, which the study gives by {of_unit[0]}",
-            f"Remove {other}, or the whole drive unit: {', '.join(of_unit)}",
+            f"{other} is computed from the drive unit, which {of_unit[0]} belongs to",
+            f"Remove {other}, or the whole drive unit ({', '.join(of_unit)})" + line,
         )
         for other in names
         if other in FOLLOWS or other in DRIVE
@@ -81,20 +83,19 @@ def _problems_of_parts(of_unit: list[str], turning: list[str]) -> Iterator[Probl
     if turning:
         yield Problem(
             "parameters.conveyed_mass",
-            "the effect of travelling parts on a unit that turns is not modelled",
-            f"Give load_mass in its place, or leave out {', '.join(turning)}",
+            "conveyed_mass cannot be used for a drive unit that also turns",
+            f"Give load_mass instead, or remove {', '.join(turning)}",
         )
     if "force_harmonic" in of_unit:
         yield Problem(
             "parameters.conveyed_mass",
-            "the effect of travelling parts is modelled only for a force of one harmonic",
-            "Give load_mass in its place, or leave out force_harmonic",
+            "conveyed_mass cannot be used together with force_harmonic",
+            "Give load_mass instead, or remove force_harmonic",
         )
     if "load_damping" in of_unit:
         yield Problem(
             "parameters.load_damping",
-            "load_damping follows from the motion of the parts, whose conveyed_mass the study "
-            "gives",
+            "load_damping is computed from the motion of the parts if conveyed_mass is given",
             "Give either load_damping or conveyed_mass",
         )
 

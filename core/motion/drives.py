@@ -276,9 +276,8 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
         Problem(
             f"parameters.acceleration_{axis}_1",
             f"the mean acceleration {axis} is not 0: the track would run away",
-            "Leave one of its steps out, which then closes the wave, or change "
-            "durations so that the "
-            "sum of acceleration times duration is 0",
+            "Leave out the acceleration of one step, which is then computed, or change durations "
+            "so that the sum of acceleration times duration is 0",
         )
     ]
 
@@ -316,7 +315,7 @@ def _steps_of(steps: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
     return None, [
         Problem(
             f"parameters.{steps[0][0]}",
-            "a single step is not a complete drive" if levels else "steps need an acceleration",
+            "a drive in steps needs at least two steps" if levels else "steps need an acceleration",
             "Add, for example, acceleration_along_1, duration_1 and duration_2",
         )
     ]

@@ -43,7 +43,9 @@ class Simulation(Prepared):
         """The problem with computing cells on reading; None for motion without more."""
         if self.study.trajectory is not None:
             return Problem(
-                "trajectory", "it is computed as a whole, not where read", "Leave it out"
+                "trajectory",
+                "a study with a trajectory cannot be computed cell by cell",
+                "Remove trajectory",
             )
         return problem_of_added(self.study.sensitivities, self.grid)
 
@@ -130,14 +132,18 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
     return (driven(scene, shape) if shape else scene), method, problems
 
 
-def problems_of_settings(study: MotionSettings, scene: Scene, method: str) -> Iterable[Problem]:
-    """Yield a problem for each setting of a study that its method does not use."""
+def problems_of_settings(study: MotionSettings, scene: Scene, method: str) -> list[Problem]:
+    """Return a problem for each setting of a study that its method does not use."""
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
-    for name in study.settings():
-        if name not in needed:
-            yield Problem(
-                name, f"the method {method} does not use it", fix_for_unused_setting(scene, name)
-            )
+    return [
+        Problem(
+            name,
+            f"the method {method} does not use {name}",
+            fix_for_unused_setting(scene, name),
+        )
+        for name in study.settings()
+        if name not in needed
+    ]
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -149,7 +155,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     if study.drive is not None and scene.name not in CONTACTS:
         raise refused(
             "drive",
-            f"{scene.name} takes only a sine drive, not a section drive",
+            f"{scene.name} cannot use a recorded drive, only a sine",
             f"Choose among {', '.join(CONTACTS)}",
         )
     if (record := record_of(study)) is not None:
@@ -180,10 +186,10 @@ def prepare(study: SimulateStudy) -> Simulation:
     prepared = Simulation(study, plan, grid)
     _ = prepared.added  # which raises what is wrong with it
     if prepared.derived is not None and "period_multiple" not in scene.outputs(method):
-        message = f"the motion of {scene.name} is followed for a time, not a cycle"
+        message = f"the motion of {scene.name} has no period, so it has no derivatives"
         cyclic = (*CONTACTS, *rolling_scene.SCENES, row_scene.ROW)
         raise refused(
-            "sensitivities", message, f"Leave it out, or choose among {', '.join(cyclic)}"
+            "sensitivities", message, f"Remove sensitivities, or choose among {', '.join(cyclic)}"
         )
     return prepared.check_verification()
 
@@ -196,11 +202,11 @@ def record_of(study: SimulateStudy) -> Record | None:
 
 def _problems_of_record(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
     if "burst" not in scene.producers(method):
-        message = f"{scene.name} is not followed from rest to rest"
+        message = f"{scene.name} cannot use a recording without a fit (once = true)"
         followed = [name for name, one in SYSTEMS.items() if "burst" in one.producers("events")]
         yield Problem("drive.once", message, f"Choose among {', '.join(followed)}")
     elif others := [name for name in study.outputs if name not in RESULTS]:
-        message = f"a recording that is followed once gives no {others[0]}"
+        message = f"{others[0]} cannot be computed from a recording with once = true"
         yield Problem("outputs", message, f"Request {' or '.join(RESULTS)}")
 
 
@@ -218,16 +224,16 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
         ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
         yield Problem(
             "trajectory",
-            f"trajectory shows one point, but {ranged} has a range of values",
-            f"Give one value of {', '.join(axes)}, or leave trajectory out",
+            f"a trajectory is computed for a single design, but {ranged} has several values",
+            f"Give one value of {', '.join(axes)}, or remove trajectory",
         )
     methods = methods_of(scene.name)
     followed = [name for name in scene.variants if methods[name].course is not None]
     if method not in followed:
         yield Problem(
             "trajectory",
-            f"the method {method} of {scene.name} gives means only",
-            f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out",
+            f"the method {method} of {scene.name} computes only means, no trajectory",
+            f"Set method to {' or '.join(followed)}" if followed else "Remove trajectory",
         )
 
 
@@ -237,8 +243,8 @@ def _problems_of_reduction(study: SimulateStudy) -> Iterable[Problem]:
     yield from problems_of_names(study.reduce, study.outputs, study.values())
     yield from problems_of_bands(study.values())
     for key, message in (
-        ("sensitivities", "derivatives are given with all cells; the study has reduce too"),
-        ("trajectory", "it shows one point; the study has reduce too"),
+        ("sensitivities", "derivatives cannot be combined with reduce"),
+        ("trajectory", "a trajectory cannot be combined with reduce"),
     ):
         if getattr(study, key):
             yield Problem(key, message, f"Remove either {key} or reduce")
@@ -251,6 +257,6 @@ def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:
         latest = MAX_PERIODS / grid.fixed["frequency"]
         yield Problem(
             "trajectory",
-            f"its latest time is {shown:,.0f} periods of the drive from the first",
-            f"End it by {latest:.3g} s, {MAX_PERIODS:,} periods",
+            f"the trajectory ends after {shown:,.0f} periods of the drive",
+            f"End it by {latest:.3g} s, which is {MAX_PERIODS:,} periods",
         )

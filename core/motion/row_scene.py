@@ -183,15 +183,15 @@ def problems_of_row(names: tuple[str, ...]) -> Iterator[Problem]:
     if all(name in names for name in STOP_GAPS):
         yield Problem(
             "parameters.track_stop_gap",
-            "a row has one stop, and the study gives two",
-            "Remove one of them",
+            f"the study has two stops ({' and '.join(STOP_GAPS)}), but a row has only one",
+            "Remove one of the two",
         )
     own = [name for name in names if name.startswith("part_friction_")]
     if "friction_spread" in names and own:
         yield Problem(
             "parameters.friction_spread",
-            f"the frictions are drawn, and {own[0]} is given",
-            "Give either friction_spread or the frictions of single parts",
+            f"friction_spread makes the friction of each part random, but {own[0]} is given",
+            "Remove friction_spread, or all part_friction_... parameters",
         )
 
 
@@ -201,8 +201,8 @@ def problems_of_load(names: tuple[str, ...]) -> Iterator[Problem]:
     if parts.drawn or parts.stop_gap or parts.numbers["part_friction"]:
         yield Problem(
             "parameters.conveyed_mass",
-            "the effect of a row on its drive unit is modelled only for free parts of one friction",
-            "Give load_mass in its place, or one friction and no stop",
+            "conveyed_mass can be used only for a row of parts with equal friction and no stop",
+            "Give load_mass instead, or one friction and no stop",
         )
 
 

@@ -250,7 +250,7 @@ def _follow_cells(
 ) -> dict[str, Array]:
     asked = tuple(name for name in outputs if name in scene.outputs(method))
     parameters = [name for name in cells if name in scene_parameters(scene, method)]
-    plan = plan_scene(scene, method, asked, parameters)
+    plan = plan_scene(scene, method, asked, parameters, parameters)  # some may be of other outputs
     known = run_equations(plan, {name: cells[name] for name in plan.parameters}, watch)
     return {
         name: np.broadcast_to(from_si(name, np.asarray(known[name], dtype=np.float64)), count)

@@ -173,14 +173,3 @@ METHODS: dict[str, OptimisationMethod] = {
     "scipy": OptimisationMethod(by_scipy, 1e-7, "scipy's differential evolution and SLSQP"),
 }
 """Every optimiser, by the name that a study gives."""
-
-FORMER = {
-    "newton": "exact",
-    "population": "search",
-    "grid": "search",
-    **dict.fromkeys(
-        ("slsqp", "trust-constr", "differential_evolution", "shgo", "direct", "minimize_scalar"),
-        "scipy",
-    ),
-}
-"""Names of methods that went, and the one to name instead."""

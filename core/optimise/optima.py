@@ -31,7 +31,13 @@ from vibrafeed.core.plan.pieces import Computed, Kind
 from vibrafeed.core.plan.plan import plan_scene
 from vibrafeed.core.quantities import REGIMES
 from vibrafeed.core.scenes import SCENES
-from vibrafeed.core.study.optimise_study import Limited, Maximise, OptimiseStudy, Pareto
+from vibrafeed.core.study.optimise_study import (
+    Limited,
+    Maximise,
+    OptimiseStudy,
+    Pareto,
+    Target,
+)
 from vibrafeed.core.watch import Watch
 
 RETRIES = 8  # solutions with more nodes where fresh points break a limit
@@ -217,11 +223,13 @@ def checked(
         error = fresh.objective.error + arrays.get("objective_error", 0.0)
         arrays["objective_error"] = np.where(without_optimum, np.nan, error)
         arrays["objective_left_out"] = np.where(without_optimum, np.nan, fresh.left_out)
-    missed = (status == STATUS["optimal"]) & (gap > allowed_gap)
+    is_checked = np.isin(status, (STATUS["optimal"], STATUS["target_missed"]))
     arrays["evaluations"] = np.broadcast_to(np.asarray(optima.evaluations, np.float64), cells)
     if prepared.study.sensitivities:
         arrays |= slopes(problem, x, design, margin_tolerances, without_optimum)
-    arrays["optimum_status"] = np.where(missed, np.int8(STATUS["suboptimal"]), status)
+    arrays["optimum_status"] = np.where(
+        is_checked & (gap > allowed_gap), np.int8(STATUS["suboptimal"]), status
+    )
     not_assessed = np.int8(REGIMES["not_assessed"].value)
     for name, regime in problem.regimes(quantities, scales, tolerance).items():
         arrays[name] = np.where(without_optimum, not_assessed, np.broadcast_to(regime, cells))
@@ -292,6 +300,11 @@ def _refined_status(
         )
         is_flat = range_of_values <= FLAT * problem.scale(scales)
         status = np.where(optimal & is_flat & (status == STATUS["optimal"]), STATUS["flat"], status)
+    if isinstance(problem.criterion, Target) and problem.uncertain is None:
+        value = problem.output(problem.criterion.output, quantities)
+        # Within a thousandth it counts as reached.
+        missed = ~np.isclose(value, problem.criterion.target, rtol=1e-3, atol=1e-9)
+        status = np.where((status == STATUS["optimal"]) & missed, STATUS["target_missed"], status)
     return np.asarray(status, dtype=np.int8)
 
 

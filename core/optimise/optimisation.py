@@ -22,6 +22,7 @@ from vibrafeed.core.quantities import OPTIMUM_STATUSES, QUANTITIES, Flag
 from vibrafeed.core.quantities.quantity import in_sentence
 from vibrafeed.core.study.distributions import Distribution, nominal, tolerance
 from vibrafeed.core.study.optimise_study import Limited, OptimiseStudy, Pareto, Target, Weighted
+from vibrafeed.core.study.shown import ShownUnits
 from vibrafeed.core.study.values import Between
 
 SECONDS = {"exact": 2e-5, "search": 0.01, "scipy": 0.2}
@@ -241,11 +242,14 @@ def criterion_in_words(problem: OptimisationProblem) -> str:
 
 
 def _range_in_words(name: str, distribution: Distribution) -> str:
-    unit = QUANTITIES[name].suffix
+    lower, upper = (_in_words(name, end, 4) for end in tolerance(name, distribution))
     if isinstance(distribution, Between):
-        return f"{name} from {distribution.lower:g} to {distribution.upper:g}{unit}"
-    lower, upper = tolerance(name, distribution)
-    return f"{name} about {nominal(distribution):g} ({lower:.4g} to {upper:.4g}){unit}"
+        return f"{name} from {lower} to {upper}"
+    return f"{name} about {_in_words(name, nominal(distribution))} ({lower} to {upper})"
+
+
+def _in_words(name: str, value: float, digits: int = 6) -> str:
+    return ShownUnits().text(value, QUANTITIES[name].unit, digits)
 
 
 def _criterion_of_exact_parameters(problem: OptimisationProblem) -> str:
@@ -254,10 +258,10 @@ def _criterion_of_exact_parameters(problem: OptimisationProblem) -> str:
     if isinstance(criterion, Weighted):
         return f"largest {output} - {criterion.weight:g} |{against}|"
     if isinstance(criterion, Limited):
-        unit = QUANTITIES[criterion.against].suffix
-        return f"largest {output} with |{against}| <= {criterion.limit:g}{unit}"
+        limit = _in_words(criterion.against, criterion.limit)
+        return f"largest {output} with |{against}| <= {limit}"
     if isinstance(criterion, Target):
-        return f"{output} nearest to {criterion.target:g}{QUANTITIES[output].suffix}"
+        return f"{output} nearest to {_in_words(output, criterion.target)}"
     if isinstance(criterion, Pareto):
         return f"{output} high, |{against}| low: the whole front"
     return f"{'least' if problem.sign < 0 else 'largest'} {output}"

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
+from vibrafeed.core.errors import Problem, StudyError, given_twice, raise_any, refused
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import CONTACTS, SYSTEMS
 from vibrafeed.core.optimise.exact import is_closed
-from vibrafeed.core.optimise.methods import FORMER, METHODS
+from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.optimisation import Optimisation
 from vibrafeed.core.optimise.problem import (
     CONTACT_OUTPUTS,
@@ -63,7 +63,9 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         problems += (
             locate_problem(_explained_by_drive(problem, scene), study) for problem in error.problems
         )
-    problems += _problems_of_method(study.method)
+    if study.method is not None and study.method not in METHODS:
+        unknown = f"'{study.method[:60]}' is not a method"
+        problems.append(Problem("method", unknown, suggestion(study.method, METHODS)))
     if problems:
         raise StudyError(dict.fromkeys(problems))
     uncertain = None
@@ -85,17 +87,10 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     return Optimisation(study, plan, grid, designs, problem, method).check_verification()
 
 
-def _problems_of_method(name: str | None) -> Iterable[Problem]:
-    if name in FORMER:
-        yield Problem("method", f"the method {name} went", f'Write method = "{FORMER[name]}"')
-    elif name is not None and name not in METHODS:
-        yield Problem("method", f"'{name[:60]}' is not a method", suggestion(name, METHODS))
-
-
 def _method(study: OptimiseStudy, problem: OptimisationProblem) -> str:
     method = study.method or ("exact" if is_closed(problem) else "search")
     if method == "exact" and not is_closed(problem):
-        raise refused("method", "there is no closed form of this problem", "Leave method out")
+        raise refused("method", "this problem has no exact solution", "Remove method")
     return method
 
 
@@ -119,22 +114,26 @@ def drive_refusal(study: DrivenStudy, scene: Scene) -> Iterable[Problem]:
 
 
 def _problems_of_bounds(bounds: Mapping[str, Between]) -> Iterable[Problem]:
-    for name, between in bounds.items():
-        if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper):
-            yield Problem(
-                f"variables.{name}",
-                "it is a whole number, and there is no choice between these bounds",
-                "Widen them, or give one value among the parameters",
-            )
+    yield from (
+        Problem(
+            f"variables.{name}",
+            f"no two whole numbers lie between the bounds of {name}",
+            "Widen the bounds, or give one value in [parameters]",
+        )
+        for name, between in bounds.items()
+        if QUANTITIES[name].count and math.ceil(between.lower) >= math.floor(between.upper)
+    )
     if not bounds:
         yield Problem(
             "variables",
-            "there are no variables",
-            'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }',
+            "the study has no variables",
+            'Add one, for example [variables] beta = { lower = 0, upper = "90 deg" }',
         )
     if len(bounds) > MAX_VARIABLES:
         yield Problem(
-            "variables", f"there are {len(bounds)} of them", f"Choose at most {MAX_VARIABLES}"
+            "variables",
+            f"the study has {len(bounds)} variables, at most {MAX_VARIABLES} are allowed",
+            "Give some of them a fixed value in [parameters]",
         )
 
 
@@ -218,8 +217,8 @@ def _problems_of_fields(study: OptimiseStudy, values: Mapping[str, Values]) -> I
     if isinstance(criterion, Limited) and criterion.limit < 0:
         yield Problem(
             "criterion.limit",
-            f"it is {criterion.limit:g}",
-            "Give the largest absolute value, 0 or more",
+            f"the limit of an absolute value is {criterion.limit:g}, which is below 0",
+            "Give 0 or more",
         )
     places = {
         f"constraints.{number}.output": constraint.output
@@ -227,26 +226,22 @@ def _problems_of_fields(study: OptimiseStudy, values: Mapping[str, Values]) -> I
     }
     places |= {"criterion.output": criterion.output}
     places |= {"criterion.against": getattr(criterion, "against", "")}
-    for place, name in places.items():
-        if name in FLAGS:
-            yield Problem(
-                place,
-                f"the output {name} has names as values, not numbers, and cannot be optimised",
-                "Choose another output",
-            )
+    yield from (
+        Problem(
+            place,
+            f"the values of {name} are names, not numbers, so it cannot be optimised",
+            "Choose another output",
+        )
+        for place, name in places.items()
+        if name in FLAGS
+    )
     if len(set(study.criterion_outputs())) < len(study.criterion_outputs()):
         yield Problem(
             "criterion.against",
             "the second output of the criterion is the same as the first",
-            "Name another output as against in [criterion]",
+            "Set against to another output in [criterion]",
         )
-    for name in study.bounds():
-        if name in values:
-            yield Problem(
-                f"variables.{name}",
-                f"{name} is given twice: in [variables] and in [parameters]",
-                f"Remove {name} from the variables or from the parameters",
-            )
+    yield from given_twice("variables", study.bounds(), "parameters", values)
 
 
 def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
@@ -255,25 +250,25 @@ def _problems_of_constraints(study: OptimiseStudy) -> Iterable[Problem]:
         path = f"constraints.{number}"
         if constraint.lower is None and constraint.upper is None:
             yield Problem(
-                path, "the constraint has neither lower nor upper", "Give lower, upper or both"
+                path, "the constraint has neither lower nor upper", "Add lower, upper or both"
             )
         elif (
             constraint.lower is not None
             and constraint.upper is not None
             and constraint.lower > constraint.upper
         ):
-            yield Problem(path, "lower is above upper", "Swap them")
+            yield Problem(path, "the lower bound is above the upper bound", "Swap lower and upper")
         if constraint.absolute and constraint.upper is not None and constraint.upper < 0:
             yield Problem(
                 f"{path}.upper",
-                "the constraint's upper bound of an absolute value is below 0",
+                "the upper bound of an absolute value is below 0",
                 "Give 0 or more",
             )
         for name, _ in constraint.ends():
             if name in seen:
                 yield Problem(
                     path,
-                    f"{constraint.output} has the same bound twice",
+                    f"two constraints set the same bound of {constraint.output}",
                     "Remove one of the two constraints",
                 )
             seen.add(name)
@@ -285,26 +280,20 @@ def _problems_of_intervals(
     values: Mapping[str, Values],
     bounds: Mapping[str, Between],
 ) -> Iterable[Problem]:
-    for name in intervals:
-        if name in values or name in bounds:
-            section = "parameters" if name in values else "variables"
-            yield Problem(
-                f"uncertain.{name}",
-                f"it is also under {section}",
-                f"Remove it there, or under {section}.{name}",
-            )
+    yield from given_twice("uncertain", intervals, "parameters", values)
+    yield from given_twice("uncertain", intervals, "variables", bounds)
     if len(intervals) > MAX_UNCERTAIN:
         yield Problem(
             "uncertain",
-            f"there are {len(intervals)} of them",
-            f'Keep the {MAX_UNCERTAIN} that matter most: kind = "sensitivity" shows which',
+            f"{len(intervals)} parameters are uncertain, at most {MAX_UNCERTAIN} are allowed",
+            'Keep those that matter most: kind = "sensitivity" shows which',
         )
     yield from _problems_of_quantile(study)
     if study.robust is not None and not intervals:
         yield Problem(
             "robust",
-            "no parameter is uncertain",
-            "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }",
+            "robust is given, but no parameter is uncertain",
+            "Add one, for example [uncertain] friction = { lower = 0.2, upper = 0.4 }",
         )
     if intervals and isinstance(study.criterion, Pareto):
         yield Problem(
@@ -318,14 +307,14 @@ def _problems_of_quantile(study: OptimiseStudy) -> Iterable[Problem]:
     if study.robust == "quantile" and study.quantile is None:
         yield Problem(
             "quantile",
-            "it is missing",
-            "Add quantile = 0.05 for the value that all but a twentieth of the parts exceed",
+            "robust = 'quantile' needs a quantile",
+            "Add quantile = 0.05 for the value that 95 % of the parts exceed",
         )
     if study.quantile is not None and not LEAST_SHARE <= study.quantile <= 1 - LEAST_SHARE:
         yield Problem(
             "quantile",
-            f"a quantile of {study.quantile:g} takes too many points",
-            f'Give {LEAST_SHARE:g} to {1 - LEAST_SHARE:g}, or take robust = "worst"',
+            f"a quantile of {study.quantile:g} would need too many points",
+            f'Give {LEAST_SHARE:g} to {1 - LEAST_SHARE:g}, or set robust = "worst"',
         )
     if study.quantile is not None and study.robust != "quantile":
         yield Problem(
@@ -345,7 +334,7 @@ def _explained_by_drive(problem: Problem, scene: Scene) -> Problem:
         return problem
     return replace(
         problem,
-        message=f"'{problem.about}' is a closed form of the plain sine, and the study gives "
+        message=f"{problem.about} can be computed only for a plain sine, but the study gives "
         "another drive",
-        fix="Take an output of the motion, such as conveying_velocity",
+        fix="Use an output of the motion, such as conveying_velocity",
     )

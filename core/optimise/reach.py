@@ -16,7 +16,14 @@ from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import STATUS
 from vibrafeed.core.plan.pieces import carry_out
 from vibrafeed.core.study.grid_study import Study
-from vibrafeed.core.study.optimise_study import Maximise, Minimise, OptimiseStudy, OutputLimit
+from vibrafeed.core.study.optimise_study import (
+    Maximise,
+    Minimise,
+    OptimiseStudy,
+    OutputLimit,
+    Pareto,
+    Target,
+)
 from vibrafeed.core.study.values import Between, Fixed
 from vibrafeed.core.watch import Watch
 
@@ -29,8 +36,8 @@ class Reach:
 
     Attributes
     ----------
-    output : str
-        The output.
+    name, output : str
+        The limit, as of a constraint or ``floor_contact``, and its output.
     bound, value : float
         What is asked, and the nearest that there is, in the unit of the quantity.
     upper : bool
@@ -39,6 +46,7 @@ class Reach:
         The variables there, in the unit of the quantity.
     """
 
+    name: str
     output: str
     bound: float
     value: float
@@ -56,28 +64,26 @@ def nearest(study: Study, watch: Watch | None = None) -> list[Reach]:
     reaches: list[Reach] = []
     if not isinstance(study, OptimiseStudy):
         return reaches
-    one_sided = [
-        (constraint, end)
-        for constraint in study.constraints
-        for end in ("lower", "upper")
-        if getattr(constraint, end) is not None
-    ]
+    limits = prepare(study).problem.constraints
+    one_sided = [limit for limit in limits if not limit.absolute]
     watch = watch or Watch()
-    for limit, end in one_sided:
-        if limit.absolute:
-            watch.advance(1.0 / len(one_sided))
-            continue
-        is_upper, bound = end == "upper", float(getattr(limit, end))
+    for limit in one_sided:
+        is_upper, bound = limit.upper, float(limit.bound or 0.0)
         others = [
             OutputLimit(
-                output=other.output, absolute=other.absolute, **{side: getattr(other, side)}
+                output=other.output,
+                absolute=other.absolute,
+                **{"upper" if other.upper else "lower": other.bound},
             )
-            for other, side in one_sided
-            if (other, side) != (limit, end)
+            for other in limits
+            if other != limit
         ]
         changes: dict[str, Any] = {
             "criterion": (Minimise if is_upper else Maximise)(output=limit.output),
-            "constraints": tuple(others),
+            "constraints": tuple(others),  # the contacts, too
+            "floor_contact": False,
+            "wall_contact": False,
+            "outputs": (*study.outputs, *study.criterion_outputs()),  # each variable stays in use
             "sensitivities": False,
         }
         if study.robust is not None:  # a limit holds for all units, whatever the objective counts
@@ -86,7 +92,7 @@ def nearest(study: Study, watch: Watch | None = None) -> list[Reach]:
             study.model_copy(update=changes), watch.part(1.0 / len(one_sided))
         )
         if optimum is not None and (optimum[0] > bound if is_upper else optimum[0] < bound):
-            reaches.append(Reach(limit.output, bound, optimum[0], is_upper, optimum[1]))
+            reaches.append(Reach(limit.name, limit.output, bound, optimum[0], is_upper, optimum[1]))
     return reaches
 
 
@@ -100,10 +106,12 @@ def _best_value_and_choice(
     except VibrafeedError:  # such as an output that is none of this sort of study
         return None
     values = {name: variable.values for name, variable in table.variables.items()}
-    if int(values["optimum_status"]) not in SOLVED or not np.isfinite(values["objective"]):
+    # The objective of a target is the distance from it.
+    wanted = study.criterion.output if isinstance(study.criterion, Target) else "objective"
+    if int(values["optimum_status"]) not in SOLVED or not np.isfinite(values[wanted]):
         return None
     choice = {name: float(values[f"best_{name}"]) for name in study.bounds()}
-    return float(values["objective"]), choice
+    return float(values[wanted]), choice
 
 
 # --- what would do it
@@ -142,11 +150,14 @@ OF_A_LINE = ("amplitude", "beta")
 def ways(study: Study, watch: Watch | None = None) -> list[Way]:
     """Return changes of a study by which all constraints would be kept, each with its best choice.
 
-    Tried are another frequency, more friction and an elliptical drive; a user whose constraints
-    cannot be kept is told. Empty for other studies, or if none of the changes helps.
+    Tried are another frequency, more friction and an elliptical drive, if constraints cannot be
+    kept or a target is missed. Of a trade-off the output that is to be large counts. Empty for
+    other studies, or if none of the changes helps.
     """
     if not isinstance(study, OptimiseStudy) or study.variables is None:
         return []
+    if isinstance(study.criterion, Pareto):
+        study = study.model_copy(update={"criterion": Maximise(output=study.criterion.output)})
     candidates = {
         "another frequency": _with_variable(study, "frequency", lambda f: (f / WIDER, f * WIDER)),
         "more friction": _with_variable(

@@ -5,7 +5,7 @@ A speed is continuous and piecewise smooth in friction, and not monotone. It is 
 brackets of its least and of its largest value. No cell is computed at more than `MAX_POINTS`.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Final, NamedTuple
@@ -228,7 +228,7 @@ def bands_of(plan: Plan, grid: Grid) -> Bands | None:
     problems = [
         Problem(
             f"parameters.{other}",
-            f"{name} has a band, too, and speeds are given over one band",
+            f"both {name} and {other} have a band (low and high), but only one parameter can",
             f'Give one value of {other}, or study both with kind = "sensitivity"',
         )
         for other, _ in others
@@ -237,7 +237,7 @@ def bands_of(plan: Plan, grid: Grid) -> Bands | None:
         problems.append(
             Problem(
                 f"parameters.{name}",
-                "no requested output is a speed, and only speeds are given over a band",
+                f"{name} has a band (low and high), but no requested output is a speed over it",
                 f"Request {CONVEYING[0]}, or give one value of {name}",
             )
         )
@@ -256,24 +256,28 @@ def bands_of(plan: Plan, grid: Grid) -> Bands | None:
 def problem_of_added(sensitivities: object, grid: Grid) -> Problem | None:
     """Return the problem with computing cells on reading; None without derivatives and bands."""
     if sensitivities:
-        computed, path = "derivatives", "sensitivities"
-    elif grid.bands:
-        computed, path = "bands", f"parameters.{next(iter(grid.bands))}"
-    else:
-        return None
-    return Problem(
-        path,
-        f"{computed} are computed as a whole, not cell by cell when they are read",
-        "Leave it out",
-    )
+        return Problem(
+            "sensitivities",
+            "a study with derivatives cannot be computed cell by cell",
+            "Remove sensitivities",
+        )
+    if grid.bands:
+        return Problem(
+            f"parameters.{next(iter(grid.bands))}",
+            "a study with a band (low and high) cannot be computed cell by cell",
+            "Give one value",
+        )
+    return None
 
 
-def problems_of_bands(values: Mapping[str, Values]) -> Iterable[Problem]:
-    """Yield the problems of parameters with a band in a study that stores statistics only."""
-    for name, value in values.items():
-        if isinstance(value, Band):
-            yield Problem(
-                f"parameters.{name}",
-                "bands are given with all cells; the study has reduce",
-                f"Remove reduce, or make {name} an axis: start, stop and num",
-            )
+def problems_of_bands(values: Mapping[str, Values]) -> list[Problem]:
+    """Return the problems of parameters with a band in a study that stores statistics only."""
+    return [
+        Problem(
+            f"parameters.{name}",
+            f"{name} has a band (low and high), which cannot be combined with reduce",
+            f"Remove reduce, or give {name} as an axis with start, stop and num",
+        )
+        for name, value in values.items()
+        if isinstance(value, Band)
+    ]

@@ -140,8 +140,8 @@ def values_of(
     unknown = [name for name in parameters if name not in values]
     if unknown:
         fix = f"Known here: {', '.join(values)}"
-        message = f"no output asked for of {plan.scene.name} is computed from it"
-        raise StudyError([Problem(f"parameters.{name}", message, fix) for name in unknown])
+        message = f"no requested output of {plan.scene.name} depends on "
+        raise StudyError([Problem(f"parameters.{n}", message + n, fix) for n in unknown])
     columns = np.broadcast_arrays(np.zeros(1), *values.values())[1:]
     return {
         name: np.asarray(column, np.float64) for name, column in zip(values, columns, strict=True)
@@ -470,16 +470,16 @@ def asked_of(
     if not outputs:
         faults.append(
             (
-                "none of the requested outputs is a number with a derivative",
-                "Leave out sensitivities, or request another output",
+                "no requested output has a derivative",
+                "Remove sensitivities, or request another output",
             )
         )
     values = cells * len(outputs) * len(names)
     if values > MAX_DERIVED:
         faults.append(
             (
-                f"it asks for {values:,} derivatives and allows {MAX_DERIVED:,}",
-                "Give fewer cells, outputs or names of parameters",
+                f"the study asks for {values:,} derivatives, at most {MAX_DERIVED:,} are allowed",
+                "Reduce the cells, the outputs or the parameters in sensitivities",
             )
         )
     raise_any(Problem(SECTION, *texts) for texts in faults)

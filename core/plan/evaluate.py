@@ -68,16 +68,15 @@ def evaluate(
     plan: Plan,
     grid: Grid,
     *,
-    into: Results | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> dict[str, NDArray[Any]]:
     """Return the outputs and verdicts of a plan over a grid, each over its own axes, SI units.
 
-    Contiguous arrays `into` are filled instead of new ones; `threads` is the most among which cells
-    are shared out, one a core if left out; any thread calls `progress` with the share done since.
+    `threads` is the most among which cells are shared out, one a core if left out; any thread calls
+    `progress` with the share done since.
     """
-    results: dict[str, NDArray[Any]] = dict(into or empty_results(plan, grid))
+    results = empty_results(plan, grid)
     cells = grid.size(list(groups_of(plan, grid))[-1])
     graph = traced(plan, grid.along) if cells > LOOPED_FROM else None
     fused = None if graph is None else Fused(plan, graph, grid)

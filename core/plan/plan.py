@@ -352,7 +352,7 @@ def _where_output_exists(scene: Scene, variant: str, name: str) -> tuple[str, st
     variants = [variant_ for variant_ in scene.variants if name in scene.outputs(variant_)]
     if variants:
         return (
-            f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
+            f"the {scene.choice} '{variant}' of {scene.name} has no output '{name}'",
             f"Set {scene.choice} to {' or '.join(variants)}",
         )
     closed = SCENES.get(scene.name)
@@ -366,10 +366,10 @@ def _where_output_exists(scene: Scene, variant: str, name: str) -> tuple[str, st
         return None
     other = by_synonym(name, scene.outputs(variant))
     if other is None:
-        return f"a {there} gives {name}, a {here} does not", f'Set kind = "{kind}"'
+        return f"{name} is an output of a {there}, not of a {here}", f'Set kind = "{kind}"'
     return (
-        f"a {there} gives {name}; a {here} gives {other}",
-        f'Ask for {other} in outputs, or set kind = "{kind}"',
+        f"{name} is an output of a {there}, not of a {here}",
+        f'Request {other}, or set kind = "{kind}"',
     )
 
 
@@ -408,18 +408,19 @@ def _problem_of_unused(scene: Scene, variant: str, name: str, outputs: Collectio
     if name in DRIVE and "wave" not in scene.producers(variant):
         return Problem(
             path,
-            f"{scene.name} supports only the plain sine here, and {name} belongs to another drive",
-            "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part",
+            f"{scene.name} supports only a plain sine for these outputs, but {name} describes "
+            "another drive",
+            "Give amplitude, alpha and beta instead, or request conveying_velocity",
         )
     if (variant, name) in NOT_OF_SHAPE:
         return Problem(path, *NOT_OF_SHAPE[variant, name])
     if name in scene_parameters(scene, variant):
         return Problem(
-            path, f"{name} is not used by {', '.join(outputs)} of {scene.name}", "Remove it"
+            path, f"{name} is not used by {', '.join(outputs)} of {scene.name}", f"Remove {name}"
         )
     users = [variant_ for variant_ in scene.variants if name in scene_parameters(scene, variant_)]
     elsewhere = f", or set {scene.choice} to {' or '.join(users)}" if users else ""
-    return Problem(path, f"{name} is not used by {scene.name}", f"Remove it{elsewhere}")
+    return Problem(path, f"{name} is not used by {scene.name}", f"Remove {name}{elsewhere}")
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:

@@ -59,8 +59,8 @@ class Prepared:
         """The problem with computing cells when they are read; None if that is possible."""
         return Problem(
             "kind",
-            "a study of this kind is computed as a whole, not cell by cell when it is read",
-            "Use a sweep of closed-form equations",
+            "a study of this kind cannot be computed cell by cell",
+            "Use a sweep",
         )
 
     def check_lazy(self, fix: str) -> Self:
@@ -236,13 +236,13 @@ class Prepared:
         if self.study.verify is None:
             return self
         if not self.verified_by:
-            raise refused("verify", "no other method follows this motion", "Leave it out")
+            raise refused("verify", "no other method can simulate this motion", "Remove verify")
         if self.seconds_to_verify > MAX_SECONDS_TO_VERIFY:
-            each, method = self.seconds_a_verified_cell, self.verified_by
+            each = self.seconds_a_verified_cell
             raise refused(
                 "verify",
-                f"{method} take{'s' * method.startswith('the')} some {each:.2g} s a cell",
-                f"Give at most {int(MAX_SECONDS_TO_VERIFY / each):,}",
+                f"verifying so many cells takes too long: about {each:.2g} s per cell",
+                f"Set verify to at most {int(MAX_SECONDS_TO_VERIFY / each):,}",
             )
         return self
 
@@ -301,15 +301,15 @@ def _problems_of_part(scene: Scene, variant: str, part: PartOfFile | None) -> It
     if part is None and variant == MESH:
         yield Problem(
             "part",
-            f"it is missing; variant {MESH} is a part from a file",
-            'Write [part] with file = "bracket.stl" and unit = "mm"',
+            f"variant {MESH} needs a part from a file",
+            'Add [part] with, for example, file = "bracket.stl" and unit = "mm"',
         )
     if part is not None and variant != MESH:
         fix = f'Set variant = "{MESH}", or remove [part]'
         yield Problem(
             "part",
-            f"{scene.name} ({variant}) takes no part from a file",
-            fix if MESH in scene.variants else "Remove it",
+            f"{scene.name} ({variant}) cannot use a part from a file",
+            fix if MESH in scene.variants else "Remove [part]",
         )
 
 

@@ -33,7 +33,9 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return a drawing of each aspect of the part from a file that a result is of."""
     part = json.loads(dataset.attrs.get("study", "{}")).get("part")
     if part is None:
-        raise PlotError("dataset", "it is of no part from a file", "Draw another kind")
+        raise PlotError(
+            "dataset", "the result is not that of a part from a file", "Draw another kind"
+        )
     style, aspects = options.style, part["aspects"]
     columns = min(COLUMNS, len(aspects))
     rows = -(-len(aspects) // columns)

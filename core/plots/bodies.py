@@ -40,7 +40,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """
     check_result(dataset)
     if not is_pair(dataset):
-        raise PlotError("dataset", "it holds no impact of two bodies", "Draw another kind")
+        raise PlotError("dataset", "the result is not an impact of two bodies", "Draw another kind")
     style, units = options.style, options.units
     dimensions = [str(name) for name in dataset.dims]
     positions = fixed_positions(dataset, options.at, dimensions, (), nearest=options.nearest)

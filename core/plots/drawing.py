@@ -84,7 +84,7 @@ def draw(
     """
     datasets = list(dataset) if isinstance(dataset, Sequence) else [dataset]
     if not datasets:
-        raise PlotError("dataset", "there is none", "Give one or more")
+        raise PlotError("dataset", "no dataset is given", "Give one or more")
     for given in datasets:
         if not isinstance(given, xarray.Dataset):
             raise PlotError(
@@ -104,7 +104,7 @@ def draw(
         )
     if nearest and not at:
         raise PlotError(
-            "nearest", "nearest is given, but no value of at", "Give at, or leave nearest out"
+            "nearest", "nearest has no effect without at", "Give at, or leave nearest out"
         )
     if len(datasets) > 1:
         if kind not in (None, "line"):
@@ -130,7 +130,7 @@ def _draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figu
     if len(datasets) > MOST:
         raise PlotError(
             "dataset",
-            f"{len(datasets)} datasets are too many for one picture, {MOST} are drawn",
+            f"{len(datasets)} datasets are too many for one picture, at most {MOST} are allowed",
             "Leave some out",
         )
     selections = _selections(datasets, options)
@@ -172,7 +172,7 @@ def _selections(datasets: Sequence[xarray.Dataset], options: Options) -> list[Se
             raise PlotError(
                 "dataset",
                 f"{_name(dataset)} is not a result of vibrafeed",
-                "Draw files that `vibrafeed run` wrote",
+                "Give files that `vibrafeed run` wrote",
             )
     output = _output(datasets, options.variable)
     axis = _axis(datasets, output, options.axes)
@@ -231,7 +231,7 @@ def _output(datasets: Sequence[xarray.Dataset], variable: str | None) -> str:
         if variable not in dataset.data_vars:
             raise PlotError(
                 "variable",
-                f"{_name(dataset)} has no '{str(variable)[:40]}'",
+                f"{_name(dataset)} has no output '{str(variable)[:40]}'",
                 "They share " + _listed(shared),
             )
     if variable is None and not shared:
@@ -251,7 +251,7 @@ def _axis(datasets: Sequence[xarray.Dataset], output: str, axes: tuple[str, ...]
     if axes is not None and len(axes) != 1:
         raise PlotError(
             "axes",
-            "several result files in one picture are drawn over exactly one axis",
+            "several results in one picture need exactly one axis",
             "Name one axis, such as amplitude",
         )
     ranged = [
@@ -382,7 +382,7 @@ def _refuse_of_animations(
     if kind not in (None, "animation", "trajectory"):
         raise PlotError(
             "kind",
-            f"a {kind} does not move",
+            f"a picture of kind {kind} cannot be an animation",
             "End the name in .png, .svg or .pdf, or leave the kind out",
         )
     if any(chosen):

@@ -122,7 +122,9 @@ def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Op
     for name in options.at:
         if name not in axes:
             raise PlotError(
-                "at", f"{name} is not ranged", f"Ranged parameters: {', '.join(axes) or 'none'}"
+                "at",
+                f"{name} has no range in this result",
+                f"Parameters with a range: {', '.join(axes) or 'none'}",
             )
     positions = fixed_positions(dataset, options.at, axes, (), nearest=options.nearest)
     at_variables = _held_values(problem, dataset.isel(positions))
@@ -163,7 +165,10 @@ def _limit_label(kept: OutputBound, units: ShownUnits) -> str:
 
 def _is_solved(best: xarray.Dataset) -> bool:
     return bool(
-        np.all(np.isin(best["optimum_status"], (STATUS["optimal"], STATUS["not_attained"])))
+        np.isin(
+            best["optimum_status"],
+            [STATUS[name] for name in ("optimal", "not_attained", "target_missed")],
+        ).all()
     )
 
 
@@ -386,7 +391,7 @@ def _draw_front(dataset: xarray.Dataset, prepared: Optimisation, options: Option
     if not isinstance(criterion, Pareto):
         raise PlotError(
             "dataset",
-            "it holds no front",
+            "the result has no trade-off front",
             "Draw the result of a study with criterion kind 'pareto'",
         )
     units, style = options.units, options.style

@@ -84,7 +84,7 @@ class Picture:
             if getattr(options, option) and option not in self.takes:
                 raise PlotError(
                     option,
-                    f"a picture of kind {self.name} has no {option}",
+                    f"a picture of kind {self.name} does not use {option}",
                     f"Leave {option} out, or name another kind",
                 )
         figure: Figure = import_module(f"{__package__}.{self.home}").draw(dataset, options)

@@ -204,8 +204,8 @@ def _selected(
     if categories and kind in ("contour", "levels"):
         raise PlotError(
             "kind",
-            f"{array.name} has a name in each cell, not a number",
-            "Leave out kind, or draw kind map",
+            f"the values of {array.name} are names, not numbers",
+            "Leave out kind, or draw a map",
         )
     if kind != "line" and len(names) == 1:
         line = "Draw an output as a line" if kind == "map" else "Draw the output as kind line"
@@ -235,7 +235,7 @@ def _on_map(dataset: xarray.Dataset, variable: str | None) -> xarray.DataArray:
     if not categories_of(array):
         raise PlotError(
             "variable",
-            f"{array.name} has numbers; a map shows regimes or outputs whose numbers have names",
+            f"the values of {array.name} are numbers, but a map shows only regimes and other names",
             f"Draw {_regime(dataset, array).name}, or draw kind contour",
         )
     return array
@@ -318,7 +318,7 @@ def _axes(array: xarray.DataArray, names: tuple[str, ...] | None, max_axes: int)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
         raise PlotError(
             "axes",
-            "axes has to name one or two different axes of the result",
+            "a picture needs one or two different axes of the result",
             "Name them, as in beta,alpha",
         )
     for name in names:

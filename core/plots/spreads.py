@@ -147,7 +147,7 @@ def _result(dataset: xarray.Dataset, options: Options) -> UncertainOutput:
     if variable not in dataset:
         raise PlotError(
             "dataset",
-            f"it holds no {words(variable)}",
+            f"the result has no {words(variable)}",
             f'Add "{ANALYSIS[kind]}" to the analyses of the study',
         )
     own_dimensions = (UNCERTAIN, QUANTILE, LEVEL)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
+from vibrafeed.core.errors import Problem, StudyError, given_twice, raise_any, refused
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.motion.systems import methods_of
 from vibrafeed.core.optimise.prepare import choose_problem_scene, drive_refusal
@@ -271,7 +271,7 @@ def choose(sketch: Sketch) -> Chosen:
             Problem(
                 "variant",
                 "variant is given, but a simulated motion has no variants",
-                "Remove variant, or leave out method",
+                "Remove variant or method",
             ),
         ]
     return scene, chosen, problems
@@ -283,32 +283,28 @@ def _span(name: str, distribution: Distribution) -> Values:
 
 
 def _problems_of(study: SensitivityStudy) -> Iterable[Problem]:
-    values, uncertain = study.values(), study.distributions()
-    for name in uncertain:
-        if name in values:
-            yield Problem(
-                f"uncertain.{name}",
-                f"{name} is given twice: in [uncertain] and in [parameters]",
-                f"Remove {name} from [uncertain] or from [parameters]",
-            )
+    uncertain = study.distributions()
+    yield from given_twice("uncertain", uncertain, "parameters", study.values())
     if len(uncertain) > MAX_INPUTS:
         yield Problem(
             "uncertain",
-            f"{len(uncertain)} parameters are uncertain",
-            f"Keep the {MAX_INPUTS} parameters that matter most in [uncertain]",
+            f"{len(uncertain)} parameters are uncertain, at most {MAX_INPUTS} are allowed",
+            "Keep those that matter most",
         )
-    for name in study.outputs:
-        if name in FLAGS:
-            yield Problem(
-                "outputs",
-                f"the output {name} has names as values, not numbers, so it has no statistics",
-                'Ask for its probability: [[demands]] regime = "hopping"',
-            )
+    yield from (
+        Problem(
+            "outputs",
+            f"the values of {name} are names, not numbers, so it has no statistics",
+            'Request the probability of a regime: [[demands]] regime = "hopping"',
+        )
+        for name in study.outputs
+        if name in FLAGS
+    )
     if study.verify is not None:
         yield Problem(
             "verify",
             "a sensitivity study states the errors of its statistics and cannot be verified",
-            "Leave out verify",
+            "Remove verify",
         )
     yield from _problems_of_demands(study.demands)
 
@@ -323,16 +319,15 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
         if demand.output in FLAGS:
             yield Problem(
                 f"{path}.output",
-                f"the output {demand.output} has names as values, not numbers, so it cannot "
-                f"be limited",
-                'Name the regime, for example regime = "hopping"',
+                f"the values of {demand.output} are names, not numbers, so it has no limits",
+                'Give the regime instead, for example regime = "hopping"',
             )
         if demand.name in seen:
             about = demand.output or demand.regime
             yield Problem(
                 path,
                 f"two demands limit {about} on the same side",
-                "Remove one of them, or put it into another study",
+                "Remove one of the two, or move it to another study",
             )
         seen.add(demand.name)
 
@@ -340,21 +335,21 @@ def _problems_of_demands(demands: Sequence[Demand]) -> Iterable[Problem]:
 def _fault_of_demand(demand: Demand) -> tuple[str, str] | None:
     is_bounded = demand.at_least is not None or demand.at_most is not None
     if (demand.output is None) == (demand.regime is None):
-        return "it names neither or both", "Name an output, or a regime"
+        return "a demand needs either an output or a regime", "Give one of the two"
     if demand.regime is not None:
         return (
             (
-                "a regime has no bounds",
-                "Remove the bounds: the result is the probability of the regime",
+                "a demand for a regime has no bounds",
+                "Remove at_least and at_most: the result is the probability of the regime",
             )
             if is_bounded
             else None
         )
     if not is_bounded:
-        return "the demand has no bound", "Give at_least, at_most or both"
+        return "the demand has no bound", "Add at_least, at_most or both"
     if demand.at_least is None or demand.at_most is None or demand.at_least <= demand.at_most:
         return None
-    return "at_least is above at_most", "Swap them"
+    return "at_least is above at_most", "Swap the two values"
 
 
 def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
@@ -362,8 +357,8 @@ def _problems_of_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Proble
         if demand.regime is not None and demand.regime not in plan.regimes:
             message, fix = f"'{demand.regime}' is not a regime", suggestion(demand.regime, REGIMES)
             if demand.regime in REGIMES:
-                fix = f"Those of these outputs are {', '.join(plan.regimes)}"
-                message += " of these outputs"
+                fix = f"Choose one of {', '.join(plan.regimes)}"
+                message += " of the requested outputs"
             yield Problem(f"demands.{number}.regime", message, fix)
 
 
@@ -372,12 +367,12 @@ def _problems_of_size(prepared: Sensitivity) -> Iterable[Problem]:
     if each * outputs > MAX_VALUES:
         yield Problem(
             "samples",
-            f"each design takes {each:,} evaluations of {outputs} outputs",
-            f"Take fewer samples or outputs: {MAX_VALUES:,} values a design at most",
+            f"{each:,} evaluations of {outputs} outputs for each design are too many",
+            f"Reduce samples or outputs: at most {MAX_VALUES:,} values per design are allowed",
         )
     elif each * prepared.cells > MAX_EVALUATIONS:
         yield Problem(
             "samples",
-            f"{prepared.cells:,} designs take {each:,} evaluations each",
-            f"Take fewer designs or samples: {MAX_EVALUATIONS:,} evaluations at most",
+            f"{each:,} evaluations for each of {prepared.cells:,} designs are too many",
+            f"Reduce designs or samples: at most {MAX_EVALUATIONS:,} evaluations are allowed",
         )

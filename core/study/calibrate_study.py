@@ -227,7 +227,10 @@ def _with_speed_from_time(row: Mapping[str, Any]) -> Mapping[str, Any]:
         read_number(name, QUANTITIES[name], row[name]) for name in ("distance", "time")
     )
     if not time > 0.0:
-        raise UnitError(f"a part takes {time:g} s over the distance", "Give a time above 0")
+        raise UnitError(
+            f"the time of a part over the distance is {time:g} s, not above 0",
+            "Give a time above 0",
+        )
     others = {name: value for name, value in row.items() if name not in ("distance", "time")}
     return {**others, "conveying_velocity": distance / time}
 
@@ -270,7 +273,7 @@ def _read_prior(table: str, parameter: str, raw: object) -> Prior:
     prior = read_distribution(prefix + parameter, raw, quantity_of(table, parameter))
     if not isinstance(prior, Prior):
         raise UnitError(
-            f"what is known of {prefix}{parameter} is neither a range nor a normal distribution",
+            f"the prior of {prefix}{parameter} is neither a range nor a normal distribution",
             "Write { lower = ..., upper = ... }, or { mean = ..., deviation = ... }",
         )
     return prior

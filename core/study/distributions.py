@@ -103,7 +103,7 @@ def read_distribution(name: str, raw: object, quantity: Quantity | None = None) 
     keys = frozenset(map(str, raw)) if isinstance(raw, Mapping) else frozenset()
     if keys == {CALIBRATION}:
         raise UnitError(
-            f"{name} is to come from a file, and only the command line and Python read files",
+            f"the service cannot read the file for {name}; the command line and Python can",
             "Give the lists values and densities instead of calibration",
         )
     if isinstance(raw, str) and (width := _WIDTH.fullmatch(raw)):

@@ -156,7 +156,7 @@ class MeasuredDrive(BaseModel):
         if self.samples is not None and (
             lengths != {len(times)} or times[0] != 0.0 or not is_rising
         ):
-            message = "its samples are not values at times that rise from 0"
+            message = "the samples of the drive are not values at times that increase from 0"
             raise refusal(message, CARRY_OUT)
         return self
 
@@ -164,7 +164,9 @@ class MeasuredDrive(BaseModel):
 def only_the_plain_sine(fix: str) -> Problem:
     """Return the problem of a measured drive in a study of closed forms; `fix` says the way out."""
     return Problem(
-        "drive", "closed forms support only the plain sine of amplitude, alpha and beta", fix
+        "drive",
+        "closed forms cannot use a recorded drive, only a plain sine (amplitude, alpha, beta)",
+        fix,
     )
 
 
@@ -210,13 +212,13 @@ class FromFile:
         return {"anyOf": [written | source, kept, {"type": "null"}], "default": None}
 
 
-CARRY_OUT: Final = "Carry the study out, or load it by vibrafeed.load_study"
+CARRY_OUT: Final = "Run the study, or load it with vibrafeed.load_study"
 Drive = Annotated[
     MeasuredDrive | None,
     FromFile(
         RecordedDrive,
         MeasuredDrive,
-        ("its recording has not been fitted yet", CARRY_OUT),
+        ("the recording of the drive has not been fitted yet", CARRY_OUT),
         (
             "does not say how to read a recording",
             'Write [drive] with file = "recording.csv" and the columns along and normal',

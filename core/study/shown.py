@@ -113,6 +113,11 @@ class ShownUnits:
             return Shown(*SMALLER[unit])
         return Shown(1.0, SI.get(unit, unit))
 
+    def text(self, value: float, unit: str, digits: int = 3) -> str:
+        """Return a value with a readable unit; `unit` is the value's own."""
+        shown = self.of(unit, abs(value))
+        return f"{shown.factor * value:.{digits}g} {shown.unit}".rstrip()
+
 
 def read_shown(words: Iterable[str]) -> ShownUnits:
     """Return the units in which a reader wants to see values, from words.

@@ -251,7 +251,7 @@ def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Be
     if not isinstance(raw, Mapping) or set(raw) != {"lower", "upper"}:
         shown = quantity.examples[0] if quantity.examples else "1"
         raise UnitError(
-            f"{name} needs exactly two bounds, lower and upper",
+            f"{name} needs two bounds, lower and upper",
             f'Write {{ lower = ..., upper = "{shown}" }}',
         )
     lower, upper = (read_number(name, quantity, raw[end]) for end in ("lower", "upper"))

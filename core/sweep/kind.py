@@ -108,7 +108,7 @@ def _problems_of_form(study: SweepStudy) -> Iterable[Problem]:
     if reduction is not None and study.sensitivities:
         yield Problem(
             "sensitivities",
-            "derivatives are given with all cells; the study has reduce too",
+            "derivatives cannot be combined with reduce",
             "Remove either sensitivities or reduce",
         )
 

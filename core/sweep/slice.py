@@ -193,8 +193,8 @@ def _problems(
     if not 1 <= len(axes) <= MAX_AXES:
         yield Problem(
             "axes",
-            f"axes names {len(axes)} axes; a slice has one or two",
-            "Name one or two axes, as in axes=beta,alpha",
+            f"axes has {len(axes)} names, but a slice has one or two free axes",
+            "Give one or two names, as in axes=beta,alpha",
         )
     for name in axes:
         if name not in axes_of_sweep:
@@ -202,7 +202,7 @@ def _problems(
                 "axes", f"'{name}' is not an axis of this sweep", suggestions(name, axes_of_sweep)
             )
     if len(set(axes)) < len(axes):
-        yield Problem("axes", "axes names an axis twice", "Name each axis once")
+        yield Problem("axes", "axes has the same name twice", "Give each axis once")
     for name in at:
         if name not in axes_of_sweep:
             yield Problem(
@@ -211,8 +211,8 @@ def _problems(
         elif name in axes:
             yield Problem(
                 name,
-                f"{name} is a free axis, and has a value besides",
-                f"Leave out {name}=, or take {name} out of axes",
+                f"{name} is given twice: as a free axis and with a value",
+                f"Remove {name}=, or remove {name} from axes",
             )
 
 
@@ -225,7 +225,7 @@ def _position_of(grid: Grid, name: str, at: Mapping[str, str]) -> int:
     values = grid.coordinate(name)
     if name not in at:
         raise UnitError(
-            f"the axis {name} is neither in axes nor given a value",
+            f"the axis {name} is not free (in axes), and has no value",
             f"Add {name}=VALUE to the query, from {values[0]:g} to {values[-1]:g}"
             f"{QUANTITIES[name].suffix}",
         )

@@ -141,6 +141,6 @@ def read_numbers(path: Path, section: str) -> InputTable:
     count = max(lengths, key=lambda length: (lengths.count(length), length), default=0)
     if not 0 < count <= MAX_ROWS:
         fix = f"Give channels of 1 to {MAX_ROWS:,} samples"
-        raise refused(section, f"{path.name} has {count:,} samples a channel", fix)
+        raise refused(section, f"{path.name} has {count:,} samples per channel", fix)
     columns = {name: column for name, column in columns.items() if len(column.cells) == count}
     return InputTable(columns, np.arange(1, count + 1), section, step=step)

@@ -81,17 +81,17 @@ def _table_of_lines(lines: Lines, section: str) -> InputTable:
     rows = lines.rows
     if not rows:
         raise refused(
-            section, "the table is empty", "Give a row of names, and rows of numbers below"
+            section, "the table is empty", "Add a row of names and rows of numbers below it"
         )
     first = _first_row_of_numbers(rows)
     if first is None:
-        raise refused(section, "the table holds no numbers", "Give rows of numbers below the names")
+        raise refused(section, "the table has no numbers", "Add rows of numbers below the names")
     header, units, start = _heading(lines, first)
     width = len(header) or _filled(rows[first][1])
     # Lines of another width without any number are remarks.
     body = [row for row in rows[start:] if len(row[1]) == width or any(map(is_value, row[1]))]
     if len(body) > MAX_ROWS:
-        raise refused(section, f"it has more than {MAX_ROWS:,} rows", SHORTEN)
+        raise refused(section, f"the table has more than {MAX_ROWS:,} rows", SHORTEN)
     _check_rows(body, width, section)
     names = header or [str(number) for number in range(1, width + 1)]
     lines_above = rows[:start]

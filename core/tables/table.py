@@ -71,7 +71,7 @@ class InputTable:
             message = f"the table has no column '{name[:60]}'"
             fix = suggestion(name, self.columns)
             if all(map(str.isdigit, self.columns)):
-                fix = f"It has no names: give a column by its number, 1 to {len(self.columns)}"
+                fix = f"The columns have no names: give a number from 1 to {len(self.columns)}"
             raise refused(path, message, fix, name)
         if column.fault:
             raise refused(path, column.fault, column.fix, name)
@@ -96,7 +96,7 @@ class InputTable:
             message = (
                 f"line {self.lines[not_numbers[0]]} of column '{name}' is not a number: {cell!r}"
             )
-            fix = SEMICOLONS if "," in cell else "Correct the line, or remove it"
+            fix = SEMICOLONS if "," in cell else "Correct or remove the line"
             raise refused(path, message + count_in_words, fix, name)
         return values, unit
 

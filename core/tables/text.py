@@ -93,7 +93,9 @@ def lines_of(text: str, section: str) -> Lines:
     for number, line in enumerate(StringIO(text, newline=None), start=1):
         if len(line) > MAX_LETTERS:
             raise refused(
-                section, f"line {number} has {len(line):,} letters", "Keep the columns in use"
+                section,
+                f"line {number} has {len(line):,} characters",
+                "Remove columns that are not used",
             )
         if not lines and (match := _NAMED_SEPARATOR.fullmatch(line.strip())):
             stated_separator = match[1]

@@ -87,7 +87,7 @@ def test_the_best_tells_what_holds_it_back_and_a_changed_value_searches_again(
     entered(page, "[aria-label='Least throw number']", "5")
     page.locator("#find").click()
     wrong = page.locator("[data-place='constraints.0']")
-    expect(wrong).to_have_text("Lower is above upper. Swap them.")
+    expect(wrong).to_have_text("The lower bound is above the upper bound. Swap lower and upper.")
     page.get_by_role("button", name="Remove limit 1").click()
     assert wrong.count() == 0
 

@@ -87,7 +87,7 @@ def test_a_wave_that_one_level_closes_is_the_one_that_gives_it() -> None:
     ("given", "message"),
     [
         ({"acceleration_along_1": 4, "acceleration_along_2": -3}, "is not 0"),
-        ({"acceleration_along_1": 4, "duration_1": 0}, "a single step is not a complete drive"),
+        ({"acceleration_along_1": 4, "duration_1": 0}, "a drive in steps needs at least two steps"),
         ({"acceleration_along_1": 4, "duration_1": 0, "duration_2": 0}, "have a duration of 0"),
         ({"acceleration_along_1": 4, "amplitude_along_1": 1e-4}, "also gives harmonics"),
         ({"amplitude": 1e-4, "amplitude_along_1": 1e-4}, "belongs to the plain sine, but"),
@@ -95,7 +95,7 @@ def test_a_wave_that_one_level_closes_is_the_one_that_gives_it() -> None:
         ({"phase_along_1": 20}, "it is missing"),
         ({"acceleration_along_1": 4, "acceleration_along_4": -4}, "it is missing"),
         ({"duration_1": 1}, "steps need an acceleration"),
-        ({"kind": "sweep", "amplitude_along_1": 1e-4}, "supports only the plain sine"),
+        ({"kind": "sweep", "amplitude_along_1": 1e-4}, "supports only a plain sine"),
     ],
 )
 def test_an_incomplete_drive_is_refused(given: dict[str, Any], message: str) -> None:

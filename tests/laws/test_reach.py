@@ -65,6 +65,21 @@ def test_each_limit_is_reached_as_far_as_the_others_allow():
     assert float(slow.max()) < 0.05
 
 
+def test_a_trade_off_that_no_drive_keeps_tells_contacts_and_limits():
+    front = {
+        "kind": "optimise", "scene": "rectangle-on-plane",
+        "criterion": {"kind": "pareto", "points": 10},
+        "constraints": [{"output": "throw_number", "lower": 3}],
+        "variables": {"alpha": {"lower": 0, "upper": 45}, "beta": {"lower": 5, "upper": 45}},
+        "parameters": {"frequency": 50, "amplitude": 5e-4, "friction": 0.3},
+    }  # fmt: skip
+    nearest = {one.name: one.value for one in reach.nearest(parse_study(front))}
+    # On the floor the throw number is 1 at most; with 3 the floor lacks 2 g.
+    assert nearest == pytest.approx(
+        {"floor_contact": -2 * 9.80665, "throw_number_lower": 1.0}, rel=1e-6
+    )
+
+
 def test_the_search_ends_at_its_deadline():
     late = Watch(deadline=time.monotonic())
     assert reach.nearest(parse_study(STUDY), late) == []

@@ -197,4 +197,4 @@ def test_a_scheduler_that_is_not_reached_is_told(
     # It has read no certificates.
     unreached = told("-o", tmp_path / "a.zarr", exit_code=1)
     assert f"{scheduler} cannot be reached: it talks TLS" in unreached
-    assert "Write to Zarr (-o result.zarr), or leave out --scheduler" in told(exit_code=2)
+    assert "Write to Zarr (-o result.zarr), or remove --scheduler" in told(exit_code=2)

@@ -9,6 +9,7 @@ const STATUSES = {
   no_motion: "No drive within the bounds moves the part forwards.",
   only_backward: "Every drive within the bounds moves the part backwards.",
   not_attained: "At the optimum itself, static friction still holds the part; just beside it, the output jumps to this value.",
+  target_missed: "No drive within the bounds reaches the target; this is the nearest.",
   infeasible: "No drive within the bounds keeps all limits and contacts.",
   suboptimal: "The search missed a better drive, which a check on a grid found: search again within narrower bounds.",
   no_value: "The output has no value anywhere within the bounds.",

@@ -35,13 +35,9 @@ def _figures() -> list[dict[str, Any]]:
     They are read from the studies that come with the program, once.
     """
     figures = []
-    for path in sorted(FOLDER.glob("fig-*.toml"), key=_figure_number):
+    paths = FOLDER.glob("fig-*.toml")  # such as fig-5-1.toml
+    for path in sorted(paths, key=lambda one: [*map(int, one.stem.split("-")[1:])]):
         content = load_study(path).content()
         title, notes = content.pop("title", path.stem), content.pop("notes", "")
         figures.append({"name": path.stem, "title": title, "notes": notes, "study": content})
     return figures
-
-
-def _figure_number(path: Path) -> tuple[int, ...]:
-    """Return the number of a figure, from the name of its file, as a sort key."""
-    return tuple(int(part) for part in path.stem.split("-")[1:])

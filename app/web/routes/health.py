@@ -55,7 +55,10 @@ def readyz(request: Request, settings: SettingsOf) -> Response:
     """Return ``ready`` if the data directory can be written and every part is ready."""
     # Parts of the service append their own, which return None or a text that says what is wrong.
     checks: list[tuple[str, Callable[[], str | None]]] = [
-        ("stopping", lambda: "it stops" if request.app.state.stopping.is_set() else None),
+        (
+            "stopping",
+            lambda: "the service is stopping" if request.app.state.stopping.is_set() else None,
+        ),
         ("data_directory", lambda: _write_fault(settings.data_directory)),
         *request.app.state.readiness,
     ]
@@ -66,9 +69,9 @@ def readyz(request: Request, settings: SettingsOf) -> Response:
         except Exception:
             # Whatever it is, the service is not ready; its text may speak of files.
             logger.exception("the check %s failed", name)
-            fault = "its check failed; the log says why"
+            fault = "the check failed"
         if fault is not None:
-            failed.append(Problem(name, fault, "See the service's log"))
+            failed.append(Problem(name, fault, "See the log of the service"))
     if failed:
         detail = "errors names what fails."
         retry = {"Retry-After": "5"}

@@ -139,7 +139,7 @@ def test_a_step_file_says_its_unit(tmp_path):
         found = resting(part, outputs)
         for name in outputs:  # its numbers have passed through 32 bits
             assert found[name].values == pytest.approx(known[name].values, rel=1e-6)
-    assert "itself" in refusal({"data": text, "unit": "mm"})["part.unit"]
+    assert "its own unit" in refusal({"data": text, "unit": "mm"})["part.unit"]
     assert "no solid that can be read" in refusal({"data": text[: len(text) // 2]})["part.data"]
     other = {"data": text.replace("DATA;", "DATA;\n#9=DOCUMENT_FILE('other.step','','',$,'',$);")}
     assert "refers to other files" in refusal(other)["part.data"]
@@ -175,7 +175,7 @@ def test_materials_and_groups_of_an_obj_file_are_one_body():
     polygon = "\n".join([*lines, "f " + "1 2 3 4 " * 300_000])
     assert "is too large" in refusal({"data": polygon, "unit": "mm"})["part.data"]
     from_zero = "\n".join([*lines[:-1], "f 0/1 2 3"])
-    assert "they begin at 1" in refusal({"data": from_zero, "unit": "mm"})["part.data"]
+    assert "are numbered from 1" in refusal({"data": from_zero, "unit": "mm"})["part.data"]
 
 
 def test_a_service_reads_no_files():
@@ -236,7 +236,7 @@ def test_all_faults_at_once_with_those_of_the_study():
 
 def test_units_are_asked_for():
     data = box(30, 20, 10)["data"]
-    assert refusal({"data": data}) == {"part.unit": "it is missing"}
+    assert refusal({"data": data}) == {"part.unit": "the unit is missing"}
     assert "part.unit" in refusal({"data": data, "unit": "yard"})
     assert "part.units" in refusal({"data": data, "units": "mm", "unit": "mm"})
     assert "part" in refusal({"unit": "mm"})
@@ -256,11 +256,11 @@ def test_files_that_cannot_be_read(tmp_path):
 
 
 def test_a_part_goes_with_its_variant():
-    assert "takes no part from a file" in refusal(box(3, 2, 1), variant="box", parameters={
+    assert "cannot use a part from a file" in refusal(box(3, 2, 1), variant="box", parameters={
         "length": 3, "width": 2, "height": 1})["part"]  # fmt: skip
     content = {"kind": "sweep", "scene": "resting-part", "variant": "mesh", "outputs": SHARES,
                "parameters": {"aspect": 1}}  # fmt: skip
-    with pytest.raises(StudyError, match="variant mesh is a part from a file"):
+    with pytest.raises(StudyError, match="variant mesh needs a part from a file"):
         prepare_content(content)
     with pytest.raises(StudyError, match="the part has 3 aspects"):
         resting(box(3, 2, 1), aspect=4)
@@ -268,5 +268,5 @@ def test_a_part_goes_with_its_variant():
         vibrafeed.sweep(
             scene="orienting-line", part=box(3, 2, 1), outputs=["yield"], passed_aspect_1=4
         )
-    with pytest.raises(StudyError, match="studies of this kind take no part from a file"):
+    with pytest.raises(StudyError, match="a study of this kind cannot use a part from a file"):
         vibrafeed.simulate(scene="rectangle-on-plane", part=box(3, 2, 1))

@@ -60,7 +60,7 @@ statistics = ["max"]
             "xlsxwriter",
             "run study.toml -o x.xlsx",
             2,
-            f"{installing('xlsxwriter')}. Or give the output a name that ends in .nc or .csv.\n",
+            f"{installing('xlsxwriter')}. Or end the name of the output in .nc or .csv.\n",
         ),
     ],
 )

@@ -32,7 +32,7 @@ WRONG = SWEEP.replace("friction", "fricton").replace("0.5 mm", "0.5 kg")
 LONG = "0.3" + "0" * 250
 EXISTS = "exists already. Add --force to replace it, or give another name"
 GROUP = "a.zarr exists already. Remove the existing output, or give another name."
-DIGITS = "it is a number larger than 1.8e308. Fix the value"
+DIGITS = "the number is larger than 1.8e308. Write a smaller number"
 
 REFUSED = {
     "run study.toml wrong.toml worse.json absent.toml": (
@@ -54,37 +54,41 @@ REFUSED = {
         "'cheese' is not a unit that vibrafeed knows. Write trade, si",
     ),
     # Where results would go.
-    "run study.toml again/study.toml -o .": (2, "would be written more than once"),
-    "run study.toml motion.toml": (2, f"output: motion.nc {EXISTS}"),
+    "run study.toml again/study.toml -o .": (2, "several studies would write to"),
+    "run study.toml motion.toml": (2, "output: motion.nc exists already. It is of this study: add"),
     "run study.toml -o mine.nc --resume": (2, f"output: mine.nc {EXISTS}"),
     "run study.toml -o a.zarr": (2, GROUP),
     "run study.toml -o a.zarr --force": (2, GROUP),
     "run study.toml -o a.zarr --resume": (2, GROUP),
-    "run study.toml -o file/x.nc": (2, "file cannot be made"),
+    "run study.toml -o file/x.nc": (2, "file cannot be created"),
     "run study.toml -o nothing://bucket/key": (1, "nothing://bucket/key cannot be written"),
-    "run study.toml other.toml -o x.csv": (2, "x.csv is for one study. Give a folder."),
-    "run study.toml other.toml -o b.zarr": (2, "b.zarr is for one study. Give a folder."),
-    "run study.toml other.toml -o -": (2, "standard output takes the result of one study"),
+    "run study.toml other.toml -o x.csv": (2, "x.csv can hold only one result. Give a folder."),
+    "run study.toml other.toml -o b.zarr": (2, "b.zarr can hold only one result. Give a folder."),
+    "run study.toml other.toml -o -": (2, "the results of 2 studies cannot go to standard output"),
     "run study.toml -o -.zarr": (2, "a Zarr group consists of many files"),
-    "run study.toml -o - --json": (2, "standard output cannot take both"),
+    "run study.toml -o - --json": (2, "cannot both go to standard output"),
     "run study.toml -o y.nc --scheduler tcp://127.0.0.1:1": (
         2,
-        "a cluster computes sweeps and simulations to Zarr, and studies with [reduce]",
+        "a cluster can run only sweeps and simulations to Zarr",
+    ),
+    "run .": (
+        2,
+        ".: error: 1 problem file: it is a folder. Name the studies in it, such as ./*.toml",
     ),
     # Formats.
     "run study.toml -o x.txt": (
         2,
-        "'.txt': unknown format. End it in .nc, .zarr, .csv, .parquet, .xlsx",
-        "or in / if it is a folder",
+        "'.txt' is not a known format of results. End the name in .nc, .zarr, .csv, .parquet",
+        "or in / for a folder",
     ),
     "export x.nc -o x.parquett": (2, "Did you mean .parquet?"),
     "run study.toml -o y.nc --csv-style excel": (
         2,
-        "--csv-style: it is for CSV only. Leave it out",
+        "--csv-style: --csv-style applies only to CSV. Remove --csv-style",
     ),
     "run huge.toml -o x.xlsx": (2, "3,600,000 rows in a sheet of Excel, the limit is 1,048,575"),
-    "export x.nc -o y.csv --zarr-version 2": (2, "--zarr-version: it is for Zarr only"),
-    "export x.nc -o y.nc --units trade": (2, ".nc files keep the units of the result"),
+    "export x.nc -o y.csv --zarr-version 2": (2, "--zarr-version applies only to Zarr"),
+    "export x.nc -o y.nc --units trade": (2, "the units of .nc files cannot be chosen"),
     "export x.nc -o x.zarr": (2, "exists already. Remove the existing output, or give another"),
     "export x.nc -o table.csv": (2, f"table.csv {EXISTS}"),
     "export table.csv -o y.xlsx": (
@@ -101,7 +105,7 @@ REFUSED = {
         2,
         "Set trajectory = 400 in a study of one point, and run it.",
     ),
-    "plot motion.nc --at amplitude": (2, "it has no value. Write name=value"),
+    "plot motion.nc --at amplitude": (2, "the option has no value. Write --at name=value"),
     f"plot motion.nc --at 'amplitude={LONG} mm'": (
         2,
         "has 256 characters. A value has at most 200 characters",
@@ -114,12 +118,12 @@ REFUSED = {
         "Known: curl, json, powershell, python, toml.",
     ),
     "convert wrong.toml --to json": (2, "Did you mean 'friction'?"),
-    "convert study.toml --to json -o file": (2, "the file exists already. Add --force"),
+    "convert study.toml --to json -o file": (2, f"file {EXISTS}"),
     "convert study.toml --to json -o no/x.json": (1, "No such file or directory"),
-    "report study.toml again/study.toml": (2, "accuracy-study.nc would be written more than once"),
+    "report study.toml again/study.toml": (2, "several studies would write to"),
     "report study.toml wrong.toml": (2, "wrong.toml: error: 2 problems", "'friction'?"),
     "report study.toml -o file/below": (1, "Not a directory"),
-    "new file --yes": (2, "the file exists already. Add --force to replace it"),
+    "new file --yes": (2, f"file {EXISTS}"),
     "new x.json --yes": (2, "Name the file x.toml; `vibrafeed convert` makes JSON of it later."),
     "new no/x.toml --yes": (1, "No such file or directory"),
     "new x.toml --frequency fast --friction -1": (
@@ -134,20 +138,23 @@ REFUSED = {
     "new x.toml --kind sweeps": (2, "'sweeps' is not a kind of study", "sweep"),
     "new x.toml --kind sweep --wiper '1 mm'": (
         2,
-        "--wiper: the example study of --kind uses no answers. Leave it out.",
+        "--wiper: this option has no effect together with --kind. Remove --wiper.",
     ),
-    "new x.toml --radius '1 m'": (2, "--radius: --radius applies only together with --track bowl."),
+    "new x.toml --radius '1 m'": (
+        2,
+        "--radius applies only with --track bowl, not with --track straight. Give",
+    ),
     "new x.toml --amplitude '1 mm' --peak-to-peak '2 mm'": (
         2,
-        "--amplitude: --peak-to-peak gives the same quantity. Leave out",
+        "--amplitude and --peak-to-peak give the same quantity. Remove one",
     ),
     f"drive {RECORDING}": (
         2,
-        "no acceleration column; the recording has the columns time, ax, ay, az. Give",
+        "no column is given; the recording has the columns time, ax, ay, az. Give",
     ),
     "drive absent.csv --along ax": (
         2,
-        "recording: it cannot be read: No such file or directory.",
+        "recording: the file cannot be read: No such file or directory.",
     ),
     f"drive {RECORDING} --along bx --normal az --rate '3 x' --unit kg --mounting 1,2,3"
     " --harmonics 12 --plot fit.bmp": (
@@ -155,19 +162,19 @@ REFUSED = {
         f"{RECORDING}: error: 6 problems --plot: '.bmp': unknown picture format. "
         "End the name of the picture in .png, .svg or .pdf. "
         "--rate: 'x' is not a unit. Write --rate=\"5 kHz\" (a bare number is in Hz). "
-        "--mounting: the mounting is that of a sensor of three columns, which are not given. "
-        "Give --sensor=three columns, instead of a column for each axis. "
+        "--mounting: the mounting needs the three columns of a triaxial sensor, which are not "
+        "given. Give --sensor=three columns, instead of a column for each axis. "
         "--along: the table has no column 'bx'. Known: ax, ay, az, time. "
         "--unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg, "
         "mm/s, mm. "
-        "--harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
-        "out.",
+        "--harmonics: a fit of 12 harmonics is not possible. Give a whole number from 1 to 10, or "
+        "leave --harmonics out.",
     ),
     f"drive {RECORDING} --along ax --sensor ax,ay,az --rate '5 kHz' --time time": (
         2,
         "--rate: the recording has both a sampling rate (--rate) and a time column (--time). "
         "Give only the one that the recorder measures more accurately. "
-        "--sensor: the drive names the columns of a sensor, and single ones (--along). "
+        "--sensor: columns are given twice: three of a sensor (--sensor) and others (--along). "
         "Give either --sensor=three columns, or a column for each axis.",
     ),
     f"drive {RECORDING} --along ax -o no/part.toml": (1, "No such file or directory"),

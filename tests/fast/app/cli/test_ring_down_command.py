@@ -59,8 +59,8 @@ def test_what_is_wrong_is_told(recordings, tmp_path):
     empty, loaded = recordings
     result = run(empty, "--loaded", loaded, "--plot", "x.png")
     assert result.exit_code == 2
-    assert "a ring-down has no picture" in result.output
-    assert "it needs --added-mass" in result.output
+    assert "a ring-down cannot be drawn" in result.output
+    assert "--loaded and --added-mass need each other" in result.output
     swapped = run(loaded, "--loaded", empty, "--added-mass", "2 kg")
     assert swapped.exit_code == 2
     assert "Give the recording without the mass first" in swapped.output

@@ -100,7 +100,7 @@ def test_an_existing_result_is_replaced_with_force_only():
     saved(SWEEP)
     result = Path("study.nc")
     result.write_text("mine")
-    run("run study.toml --dry-run")
+    tells("run study.toml --dry-run -o x.xlsx", "to write the Excel file")
     run("run study.toml --force")
     before = result.stat().st_mtime_ns
     assert "study.nc is complete already" in said("run study.toml --resume")
@@ -127,7 +127,7 @@ def test_a_terminal_shows_no_binary_file(monkeypatch):
     saved(SWEEP)
     terminal = SimpleNamespace(stdout=SimpleNamespace(isatty=lambda: True))
     monkeypatch.setattr("vibrafeed.app.cli.run.sys", terminal)
-    assert "a terminal cannot show .nc. Write -o - for CSV" in said("run study.toml -o -.nc", 2)
+    assert "a terminal cannot show .nc. Use -o - for CSV" in said("run study.toml -o -.nc", 2)
 
 
 def test_a_stopped_run_keeps_what_is_finished_and_says_how_to_go_on(stopped_after):

@@ -326,9 +326,9 @@ DEEP = 100_000
         (b'{"title": "a\\u0000b"}', "NUL"),
         (b'{"title": "\\ud800"}', "half"),
         (b'{"a": {"\\udc00": 1}}', "invalid character"),
-        (b"[]", "not an object"),
-        (b"3", "not an object"),
-        (b'"' + b"x" * 900_000 + b'"', "not an object"),
+        (b"[]", "not a table"),
+        (b"3", "not a table"),
+        (b'"' + b"x" * 900_000 + b'"', "not a table"),
         (b"{" + b",".join(b'"k%d":1' % i for i in range(50_000)) + b"}", "50,000 keys"),
     ],
 )
@@ -411,7 +411,7 @@ class TestSettings:
             ("VIBRAFEED_MAX_REQUESTS", "0", "greater than 0"),
             ("VIBRAFEED_MAX_REQUEST", "9", "Did you mean 'VIBRAFEED_MAX_REQUESTS'?"),
             ("VIBRAFEED_RESULTS_URL", "s3://bucket", "kept in VIBRAFEED_DATA_DIRECTORY alone"),
-            ("vibrafeed_api_key", KEY, "no setting of vibrafeed"),
+            ("vibrafeed_api_key", KEY, "vibrafeed has no setting"),
             ("VIBRAFEED_MAX_UNSENT_BYTES", "9", "a proxy holds slow readers"),
         ],
         ids=lambda text: "secret" if KEY in text else None,  # it differs between processes

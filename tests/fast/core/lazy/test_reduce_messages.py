@@ -78,8 +78,8 @@ MAX = {"statistics": ["max"]}
         ),
         (
             {"over": ["beta"], "shares": {"a": ["regime == roll"]}},
-            "reduce.shares.a.0: no cell of this study has a regime of 'roll'. It can be in "
-            "stick, slip, flight.",
+            "reduce.shares.a.0: regime is never 'roll' in this study. Possible values: stick, "
+            "slip, flight.",
         ),
         ({"over": ["beta"], "shares": {"a": ["regime < slip"]}}, "regimes have no order"),
         (
@@ -90,7 +90,7 @@ MAX = {"statistics": ["max"]}
             {"over": ["beta"], "shares": {"a": ["floor_force > 1 N"]}},
             "reduce.shares.a.0: 'floor_force' is not an output of this study. ",
         ),
-        ({"over": ["beta"], "shares": {"a": []}}, "reduce.shares.a: it has no condition"),
+        ({"over": ["beta"], "shares": {"a": []}}, "reduce.shares.a: the share has no condition"),
         (
             {"over": ["beta"], "shares": {"A b": ["throw_number < 1"]}},
             "reduce.shares.A b: 'A b' is not a valid name of a variable",
@@ -107,7 +107,7 @@ MAX = {"statistics": ["max"]}
                 "over": ["friction"],
                 "levels": {"a": {"output": "throw_number", "level": 1, "along": "friction"}},
             },
-            "reduce.levels.a.along: throw_number does not depend on friction. Leave the level out.",
+            "reduce.levels.a.along: throw_number does not depend on friction. Remove this level.",
         ),
         (
             {
@@ -168,11 +168,11 @@ def test_what_is_stopped_is_no_answer_and_what_is_reduced_has_no_cells() -> None
     prepared = prepare_content({**STUDY, "reduce": {"over": ["beta"], **MAX}})
     with pytest.raises(StoppedError, match="before all cells were evaluated"):
         tabulate(prepared, Watch(stop=lambda: True))
-    with pytest.raises(StudyError, match="not cells that can be read"):
+    with pytest.raises(StudyError, match="but no single cells"):
         open_lazily(prepared)
     with pytest.raises(StudyError, match="/processes/sweep/execution"):
         prepare_content({**STUDY, "reduce": {"over": ["beta"], **MAX}}, "sweep")
-    with pytest.raises(StudyError, match="'reduce' is not a key of kind 'optimise'"):
+    with pytest.raises(StudyError, match="'reduce' is not a key of a study of kind 'optimise'"):
         prepare_content({**STUDY, "kind": "optimise", "reduce": {"over": ["beta"], **MAX}})
 
 

@@ -81,9 +81,9 @@ def test_the_name_of_a_channel_tells_its_unit():
     ("unit", "factor", "line", "words"),
     [
         ("ms", 1e3, None,
-         "they look like ms. Write the unit in the heading, as in 'time [ms]'"),
+         "so the unit is probably ms. Write the unit in the heading, as in 'time [ms]'"),
         ("us", 1e6, 50, "write the unit in the heading, as in 'time [ms]'"),
-        ("ns", 1e9, None, "which no recorder does"),  # refused before a fit is tried
+        ("ns", 1e9, None, "seems to have one sample every"),  # refused before a fit is tried
     ],
 )  # fmt: skip
 def test_times_without_a_unit_that_cannot_be_seconds_are_refused(unit, factor, line, words):
@@ -103,7 +103,7 @@ def test_times_after_iso_8601_are_read(blank, date, zone):
 
 def test_times_that_cannot_be_read_say_so_once_and_name_the_rate():
     told = refused(table([f"{time:.4f} s ago" for time in SIGNAL.times]))
-    assert told.startswith("time: the cells of column 'time' are not numbers and not times after")
+    assert told.startswith("time: the cells of column 'time' are neither numbers nor times of")
     assert "Give rate = the samples per second" in told
     assert "\n" not in told
 

@@ -69,7 +69,7 @@ def test_a_line_frequency_settles_what_a_short_recording_leaves_open():
     signal = signal._replace(values=signal.values + foreign)
     signal = noisy(signal, np.random.default_rng(10), size=0.05)
     # In eleven periods 25.2 Hz could be the half of 50 Hz.
-    assert "hold 5.62 periods of 25 Hz" in refusal(signal)
+    assert "has only 5.62 periods of 25 Hz" in refusal(signal)
     assert fit_signal(signal._replace(line_frequency=50.0)).frequency == 50.0
 
 
@@ -163,30 +163,30 @@ def times(signal, factors):
     ("signal", "words"),
     [
         (noisy(times(SIGNAL, 0), np.random.default_rng(9)), ["the recording is not periodic"]),
-        (SIGNAL._replace(values=BOTH), ["residual", "most at "]),
+        (SIGNAL._replace(values=BOTH), ["residual", "mostly at "]),
         (times(SIGNAL, np.linspace(1, 0.8, 800)),
          ["the drive is not steady: its rms along is 6.749 m/s2 in the first third"]),
         # As a shake table was recorded whose amplitude grew six times over 15 periods.
         (times(SLOW, np.geomspace(1, 6, 1500)),
          ["the recording is not periodic", "the drive is not steady"]),
         (signal_of(PLAIN, frequency=12.0),
-         ["recording: 0.4 s hold 4.8 periods of 12 Hz. Record 10 periods at least, 0.833 s, or "
-          "give frequency, if it is another."]),
-        (signal_of({"along": [(1e-4, 0.0)] * 2}, frequency=22.5), ["hold 9 periods of 22.5 Hz"]),
-        (signal_of(PLAIN, count=60), ["it has 60 samples"]),
+         ["recording: the recording of 0.4 s has only 4.8 periods of 12 Hz. Record at least 10 "
+          "periods, 0.833 s, or give the frequency if this one is wrong."]),
+        (signal_of({"along": [(1e-4, 0.0)] * 2}, frequency=22.5), ["only 9 periods of 22.5 Hz"]),
+        (signal_of(PLAIN, count=60), ["has only 60 samples"]),
         (signal_of(PLAIN, frequency=120.0, harmonics=10),
-         ["order 10 of 120 Hz needs 2,667 samples a second, the recording has 2,000. Ask for 7"]),
+         ["needs 2,667 samples per second, and the recording has 2,000. Give harmonics = 7"]),
         # Frequencies out of reach are told together.
         (SIGNAL._replace(frequency=1200.0, line_frequency=5.0),
          ["2,000 samples per second, which cannot resolve 1200 Hz. Record at least 2,667",
-          "line_frequency: 0.4 s hold 2 periods of 5 Hz"]),
+          "has only 2 periods of 5 Hz"]),
         (SIGNAL._replace(line_frequency=60.0),
-         ["line_frequency: the recording repeats with 50 Hz, the line has 60 Hz",
-          "Clocks are trusted within 5 %"]),
+         ["line_frequency: the recorded drive has 50 Hz, but line_frequency is 60 Hz",
+          "a recorder's clock is not off by more than 5 %"]),
         (SIGNAL._replace(line_frequency=100.0), ["such as 100 Hz on mains of 50 Hz"]),
         (times(SIGNAL, 0), ["all channels of the recording are constant"]),
         (SIGNAL._replace(values=BROKEN),
-         ["the recording holds values that are not finite"]),
+         ["the recording has values that are not finite"]),
     ],
 )  # fmt: skip
 def test_what_is_no_drive_is_refused(signal, words):

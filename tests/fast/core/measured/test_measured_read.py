@@ -127,7 +127,7 @@ AT_ONCE = Recording(
 CREST = signal_of({"along": DRIVE["along"]}, frequency=49.6, rate=1000.0, count=5000)
 
 
-EMPTY = "recording: the table is empty. Give a row of names, and rows of numbers below."
+EMPTY = "recording: the table is empty. Add a row of names and rows of numbers below it."
 
 
 NOT_WHOLE = "Where a comma is a decimal comma, separate the cells by semicolons."
@@ -150,13 +150,13 @@ def crests(share):
         ("", CHANNELS, [EMPTY]),
         ("# nothing\n\n", CHANNELS, [EMPTY]),
         ("ax,az\n", CHANNELS,
-         ["recording: the table holds no numbers. Give rows of numbers below the names."]),
+         ["recording: the table has no numbers. Add rows of numbers below the names."]),
         (TEXT.partition("\n")[2], Recording(along="ax", rate=2000, unit="g"),
-         ["along: the table has no column 'ax'. It has no names: give a column by its number, 1"]),
+         ["along: the table has no column 'ax'. The columns have no names: give a number from 1"]),
         (TEXT.replace("az", "ax"), Recording(along="ax"),
          ["along: two columns have the name 'ax'. Rename one."]),
         (30_000 * "a,", CHANNELS,
-         ["recording: line 1 has 60,000 letters. Keep the columns in use."]),
+         ["recording: line 1 has 60,000 characters. Remove columns that are not used."]),
         *(("ax,az\n" + lines * "1,5,2,5\n", CHANNELS,
            ["recording: line 2 has 4 cells, but the heading has 2 "
             f"({lines} such lines). {NOT_WHOLE}"])
@@ -167,7 +167,7 @@ def crests(share):
         (TEXT.replace("ax", "track_x"), Recording(along="trackx"),
          ["along: the table has no column 'trackx'. Did you mean 'track_x'?"]),
         *((changed(17, f"0.0075,{cell},1.5"), CHANNELS,
-           [f"along: line 17 of column 'ax' is not a number: {cell!r}. Correct the line, or"])
+           [f"along: line 17 of column 'ax' is not a number: {cell!r}. Correct or"])
           for cell in ("", "nan", "-", "1e999", "0x10")),
         (TEXT.replace("-", "--"), Recording(along="ax", rate=2000),
          ["along: line 2 of column 'ax' is not a number: '--0.04814874387008761' (200 such cells"]),
@@ -175,7 +175,7 @@ def crests(share):
          ["rate", "sensor.x", "sensor.y", "sensor.z", "mounting.pitch", "line_frequency",
           "frequency", "harmonics", "recording"]),
         (TEXT.replace("time [s]", "moment"), CHANNELS,
-         ["rate: the recording has neither a sampling rate nor a column of times. Give rate ="]),
+         ["rate: the recording has neither a sampling rate nor a time column. Give rate ="]),
         (TEXT, Recording(along="ax", time="time", rate=2000),
          ["rate: the recording has both a sampling rate (rate) and"]),
         (with_times(np.where(np.arange(400) == 100, SIGNAL.times[99], SIGNAL.times)), CHANNELS,
@@ -189,12 +189,12 @@ def crests(share):
         (TEXT, Recording(),
          ["along: the drive names no column of accelerations. Name the columns: along = ..., "]),
         (TEXT, Recording(along="ax", mounting=(0, 0, 90)),
-         ["mounting: the mounting is that of a sensor of three columns"]),
+         ["mounting: the mounting needs the three columns of a triaxial sensor"]),
         (TEXT, Recording(sensor=("ax", "az")),
          ["sensor: sensor does not name three columns of the recording. Name the columns"]),
         (TEXT, Recording(sensor="axy"), ["sensor: sensor does not name three columns"]),
         (TEXT, Recording(along="ax", sensor=("ax", "ax", "ax")),
-         ["sensor: the drive names the columns of a sensor, and single ones (along)"]),
+         ["sensor: columns are given twice: three of a sensor (sensor) and others (along)"]),
         (TEXT, Recording(along="ax", unit="kg"),
          ["unit: 'kg' is not a unit of acceleration. Known:"]),
         (TEXT.replace("ax [m s-2]", "ax"), CHANNELS,
@@ -205,8 +205,8 @@ def crests(share):
         *((TEXT, Recording(sensor=("ax", "az", "-ax"), mounting=mounting),
            [f"mounting: the mounting of the sensor is {words}"])
           for mounting, words in (
-              ((0, 0), "neither three angles nor a matrix"),
-              ("level", "neither three angles nor a matrix"),
+              ((0, 0), "neither three angles nor a rotation matrix"),
+              ("level", "neither three angles nor a rotation matrix"),
               (((1, 0, 0), (0, 1, 0), (0, 0, 2)), "a matrix that is not a rotation"),
               (((1,), (0, 1, 0), (0, 0, 2)), "a matrix that is not a rotation"),
               (((1, 0, 0), (0, 1, 0), (0, 0, -1)), "a matrix that mirrors the axes"),
@@ -232,7 +232,7 @@ def test_files_that_are_too_large_or_no_text_are_refused(tmp_path, monkeypatch):
     ]
     file.write_bytes(TEXT.encode())
     for limit, value, words in (
-        ("MAX_ROWS", 100, "recording: it has more than 100 rows. Shorten it"),
+        ("MAX_ROWS", 100, "recording: the table has more than 100 rows. Shorten it"),
         ("MAX_BYTES", 1000, "MB, the limit is 0 MB. Shorten it"),
     ):
         monkeypatch.setattr(f"vibrafeed.core.tables.read.{limit}", value)
@@ -278,8 +278,8 @@ def test_no_pattern_of_headings_tries_one_place_after_the_other():
 
 @pytest.mark.parametrize(
     ("rate", "size", "words"),
-    [(1e-300, 1, "a sample every"), (1e300, 1, "a sample every"),
-     (1000, 1e-300, "of the recording range over"), (1000, 1e300, "of the recording range over")],
+    [(1e-300, 1, "one sample every"), (1e300, 1, "one sample every"),
+     (1000, 1e-300, "recorded values vary by"), (1000, 1e300, "recorded values vary by")],
 )  # fmt: skip
 def test_times_and_values_that_no_recorder_writes_are_refused(rate, size, words):
     """A rate of 1e-300 ended as an error of the program, not of the study."""

@@ -89,13 +89,13 @@ def test_a_measured_drive_can_be_optimised():
     [
         ({"kind": "optimise", "criterion": {"kind": "maximise", "output": "acceleration_x"},
           "variables": {"drive_factor": {"lower": 0.5, "upper": 1.0}}},
-         ["criterion.output: 'acceleration_x' is a closed form of the plain sine, and the study "
-          "gives another drive. Take an output of the motion, such as conveying_velocity."]),
+         ["criterion.output: acceleration_x can be computed only for a plain sine, but the study "
+          "gives another drive. Use an output of the motion, such as conveying_velocity."]),
         ({"kind": "sweep", "outputs": ["acceleration_x"]},
-         ["drive: closed forms support only the plain sine of amplitude, alpha and beta. "
-          'Write kind = "simulate", or give these.']),
+         ["drive: closed forms cannot use a recorded drive, only a plain sine (amplitude, alpha, "
+          'beta). Write kind = "simulate", or give these.']),
         ({"scene": "rectangle-isolated"},
-         ["drive: rectangle-isolated takes only a sine drive, not a section drive. Choose among "]),
+         ["drive: rectangle-isolated cannot use a recorded drive, only a sine. Choose among "]),
         ({"parameters": {"fricton": 0.3}, "drive": {**DATA, "along": "bx"}},
          ["parameters.fricton: ", "drive.along: "]),
         ({"parameters": {"friction": 0.3, "amplitude": "0.2 mm"}}, ["parameters.amplitude: "]),
@@ -112,22 +112,20 @@ def test_what_has_no_measured_drive_is_refused(changes, problems):
         ({"alogn": "ax", "data": TEXT},
          ["drive.alogn: 'alogn' is not a key of the section drive. Did you mean 'along'?"]),
         ({"along": "ax"},
-         ["drive: the drive names no recording. Give file = the name of the recording, or data = "
-          "the text of the "
-          "recording's CSV."]),
+         ["drive: the section drive names no recording. Give the path of the recording as file, "
+          "or the text of the recording's CSV as data."]),
         (DATA | {"file": "x.csv"},
-         ["drive: the drive gives both file and data. Give file = the name of the recording, or "
-          "data = the text of the "
-          "recording's CSV."]),
+         ["drive: the section drive has both file and data. Give the path of the recording as "
+          "file, or the text of the recording's CSV as data."]),
         ({"file": "absent.csv", "along": "ax"},
-         ["drive.file: it cannot be read: No such file or directory. Name a CSV file by "
-          "its path from the folder of the study."]),
+         ["drive.file: the file cannot be read: No such file or directory. Give the path of a CSV "
+          "file, from the folder of the study."]),
         (DATA | {"along": "bx", "harmonics": 20},
          ["drive.along: the table has no column 'bx'. Known: ax, az, time.",
-          "drive.harmonics: 20 orders cannot be fitted. Give a whole number from 1 to 10, or leave "
-          "it out."]),
+          "drive.harmonics: a fit of 20 harmonics is not possible. Give a whole number from 1 to "
+          "10, or leave harmonics out."]),
         ({"data": "", "along": "ax"},
-         ["drive.data: the table is empty. Give a row of names, and rows of numbers below."]),
+         ["drive.data: the table is empty. Add a row of names and rows of numbers below it."]),
         ("recording.csv",
          ["drive: 'recording.csv' does not say how to read a recording. Write [drive] with file "
           '= "recording.csv" and the columns along and normal.']),
@@ -143,8 +141,8 @@ def test_a_study_of_the_network_reads_no_file_and_no_long_recording(tmp_path, mo
     path = tmp_path / "recording.csv"
     path.write_text(TEXT)
     assert refused(study({"file": str(path), "along": "ax"}), files=False) == [
-        "drive.file: the service cannot read the recording from your computer. Give data = "
-        "the text of the recording's CSV."
+        "drive.file: the service cannot read the recording from your computer. Give "
+        "the text of the recording's CSV as data."
     ]
     monkeypatch.setattr(measured, "MAX_ROWS_SENT", 700)
     assert refused(study(), files=False) == [
@@ -155,7 +153,9 @@ def test_a_study_of_the_network_reads_no_file_and_no_long_recording(tmp_path, mo
 
 
 def test_a_study_that_is_only_parsed_says_that_nothing_has_been_fitted():
-    with pytest.raises(StudyError, match="drive: its recording has not been fitted yet"):
+    with pytest.raises(
+        StudyError, match="drive: the recording of the drive has not been fitted yet"
+    ):
         parse_study(study())
 
 
@@ -174,11 +174,11 @@ def test_the_error_of_a_speed_is_that_of_what_comes_from_the_recording():
     assert [
         str(problem) for problem in problems_of(drive_error, study_of(plain), fit, draws=3)
     ] == [
-        "parameters.friction: friction has several values, but the error is computed for one cell. "
-        "Give one value.",
-        "drive: the study takes no number from the recording. Remove the parameters of the "
-        "drive, so that they come from the recording.",
-        "draws: draws is 3, which is outside the limits. Give 20 to 10,000 draws.",
+        "parameters.friction: friction has several values, but the error is computed for a single "
+        "design. Give one value of friction.",
+        "drive: the study gives all parameters of the drive itself, and uses no recorded value. "
+        "Remove these parameters, so that they come from the recording.",
+        "draws: 3 draws are outside the limits. Give 20 to 10,000 draws.",
     ]
 
 
@@ -186,5 +186,5 @@ def test_equal_seeds_give_equal_errors_from_python():
     one, same, other = (vibrafeed.drive_error(study(), draws=20, seed=seed) for seed in (1, 1, 2))
     assert one == same != other
     assert one.velocity == float(vibrafeed.simulate(study()).conveying_velocity)
-    with pytest.raises(StudyError, match="drive of this study names no recording to fit"):
+    with pytest.raises(StudyError, match="the study has no drive from a recording"):
         vibrafeed.drive_error(sound(study()))

@@ -234,7 +234,7 @@ def test_what_is_wrong_with_a_track(changes, place):
 
 
 def test_stretches_belong_to_a_bowl():
-    with pytest.raises(StudyError, match="track of a bowl on its drive unit"):
+    with pytest.raises(StudyError, match="only with the drive unit of a bowl"):
         vibrafeed.simulate(
             scene="rectangle-on-track", **TRACK, frequency=50, amplitude=1e-4, beta=20,
             outputs=WHOLE,

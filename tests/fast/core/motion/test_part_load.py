@@ -142,7 +142,7 @@ def test_the_second_harmonic_of_a_half_wave_reaches_the_part(harmonic):
 
 
 def test_the_load_of_parts_under_two_harmonics_is_refused_in_words():
-    with pytest.raises(StudyError, match="force of one harmonic") as caught:
+    with pytest.raises(StudyError, match="together with force_harmonic") as caught:
         vibrafeed.simulate(**STUDY, conveyed_mass=0.5, force_harmonic=0.25, outputs=NAMES)
     assert [one.place for one in caught.value.problems] == ["parameters.conveyed_mass"]
 

@@ -234,16 +234,13 @@ def test_settings_and_courses_are_told_beside_all_else():
     assert set(found) == {"tolerance", "trajectory", "parameters.frequency", "parameters.radius"}
 
 
-GONE = "is not a key of kind 'simulate'. Remove it: its method is gone, and 'events' is exact"
 PROBLEMS = [
     ({"parameters": {"wall_friction": 0.1}}, "parameters.wall_friction", "not used"),
     ({"parameters": {"friction": None}}, "parameters.friction", "it is missing"),
     ({"method": "reference", "tolerance": 1e-9}, "tolerance",
-     "the method reference does not use it. Remove it, or set method to events"),
-    ({"method": "regularised-LSODA"}, "method", "This method is gone: 'events' is exact"),
-    ({"method": "time-stepping"}, "method", "This method is gone: 'events' is exact"),
-    ({"slip_speed": 100}, "slip_speed", GONE),
-    ({"steps_per_period": 100}, "steps_per_period", GONE),
+     "the method reference does not use tolerance. Remove it, or set method to events"),
+    ({"method": "time-stepping"}, "method", "Known: events, reference"),
+    ({"steps_per_period": 100}, "steps_per_period", "is not a key of a study of kind 'simulate'"),
     ({"max_periods": 5}, "max_periods", "5 is too small"),
     ({"scene": "rectangle-pair-impact", "parameters": dict.fromkeys(HOP)}, "scene",
      "cannot be simulated"),
@@ -251,12 +248,12 @@ PROBLEMS = [
     ({"parameters": {"friction": None, "friction_static": 0.2, "friction_kinetic": 0.3}},
      "parameters.friction_static", ""),
     ({"trajectory": 50, "parameters": {"friction": [0.1, 0.2]}}, "trajectory",
-     "trajectory shows one point"),
+     "a trajectory is computed for a single design"),
     ({"trajectory": [1e4]}, "trajectory", "End it by"),
     ({"method": "reference", "trajectory": 50}, "trajectory", "Set method to events"),
     ({"method": "reference", "parameters": {"friction": 1e4}}, "parameters.friction",
      "at most 1000"),
-    ({"variant": "thesis"}, "variant", "is not a key of kind 'simulate'"),
+    ({"variant": "thesis"}, "variant", "is not a key of a study of kind 'simulate'"),
     *(({"trajectory": wrong}, "trajectory", "whole number")
       for wrong in (1, -3, "many", [], [1, 0.5], [-1.0], True, [float("nan")])),
 ]  # fmt: skip

@@ -67,7 +67,7 @@ def test_the_dataset_tells_everything():
     assert list(dataset.optimum_status.attrs["flag_values"]) == list(range(len(OPTIMUM_STATUSES)))
     assert dataset.binds_limit.attrs["flag_meanings"] == " ".join(BINDS)
     assert {"method", "message", "elapsed_seconds", "study", "study_sha256"} <= set(dataset.attrs)
-    assert dataset.attrs["criterion"] == "largest acceleration_x with |acceleration_y| <= 0.5 m s-2"
+    assert dataset.attrs["criterion"] == "largest acceleration_x with |acceleration_y| <= 0.5 m/s²"
     # Where it binds the margin is nothing, and the throw number its bound.
     tight = dataset.binds_throw_number_upper.values == 1
     assert tight.any()
@@ -256,8 +256,8 @@ def test_a_front_and_its_knee_are_drawn():
 @pytest.mark.parametrize(
     ("options", "left_out", "words"),
     [
-        (Options(kind="front"), (), "no front"),
-        (Options(at={"gamma": 1}), (), "not ranged"),
+        (Options(kind="front"), (), "no trade-off front"),
+        (Options(at={"gamma": 1}), (), "has no range"),
         (Options(kind="front"), ("optimum_status",), "not the result of an optimisation"),
     ],
 )

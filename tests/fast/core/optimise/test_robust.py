@@ -106,7 +106,7 @@ def test_what_no_choice_keeps_for_all_units_and_a_quantile_of_too_many_points():
     )  # fmt: skip
     words = best.optimum_status.attrs["flag_meanings"].split()
     assert words[int(best.optimum_status)] == "infeasible"
-    with pytest.raises(vibrafeed.StudyError, match=r"quantile of 1e-05 takes too many points"):
+    with pytest.raises(vibrafeed.StudyError, match=r"quantile of 1e-05 would need too many points"):
         optimum(robust="quantile", quantile=1e-5)
 
 

@@ -132,8 +132,8 @@ def test_a_share_names_the_verdict_that_it_means() -> None:
     }  # fmt: skip
     assert {name: float(found[name]) for name in told} == pytest.approx(told)
     for share, words in (
-        ("regime_terminal_velocity == stick", "no cell of this study has a regime_term"),
-        ("regime_acceleration_y == flight", "Name one of regime, regime_terminal"),
+        ("regime_terminal_velocity == stick", "regime_terminal_velocity is never 'stick'"),
+        ("regime_acceleration_y == flight", "Choose one of regime, regime_terminal"),
     ):
         with pytest.raises(vibrafeed.VibrafeedError, match=words):
             reduced(share)

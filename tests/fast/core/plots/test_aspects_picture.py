@@ -45,5 +45,5 @@ def test_a_fine_surface_is_shown_by_its_hull():
 def test_a_result_without_a_part_is_refused():
     other = vibrafeed.sweep(scene="resting-part", outputs=["let_down_share_flat"], length=[1, 2],
                             width=1, height=1)  # fmt: skip
-    with pytest.raises(PlotError, match="it is of no part from a file"):
+    with pytest.raises(PlotError, match="not that of a part from a file"):
         vibrafeed.plot(other, kind="aspects")

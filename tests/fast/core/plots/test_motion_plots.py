@@ -100,7 +100,7 @@ def test_a_map_says_what_has_no_value(plane):
         ({"kind": "map", "axes": ("beta", "alpha")}, "axes", "no dimension 'alpha'"),
         ({"kind": "map", "at": {"friction": 0.2}}, "at.friction", "The nearest are"),
         ({"variable": "regime"}, "variable", "Draw kind map"),
-        ({"variable": MULTIPLE, "kind": "contour"}, "kind", "has a name in each cell, not a"),
+        ({"variable": MULTIPLE, "kind": "contour"}, "kind", "are names, not numbers"),
         ({"kind": "trajectory"}, "kind", "Set trajectory = 400"),
     ],
 )

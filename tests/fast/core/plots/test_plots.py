@@ -212,7 +212,7 @@ def test_numbers_in_names_are_told_from_values():
         ({"at": {"frequency": 61}}, "at.frequency", "The nearest are 50 and 60 Hz; --nearest"),
         ({"at": {"frequency": float("nan")}}, "at.frequency", "finite"),
         ({"at": {"frequency": np.nan}, "nearest": True}, "at.frequency", "finite"),
-        ({"nearest": True}, "nearest", "nearest is given, but no value of at"),
+        ({"nearest": True}, "nearest", "nearest has no effect without at"),
         ({"at": {"friction": 0.4}}, "at.friction", "Its only value is 0.5."),
         ({"at": {"frequenzy": 60}}, "at.frequenzy", "Did you mean 'frequency'?"),
         ({"at": {"beta": 5}}, "at.beta", "is an axis of this picture"),

@@ -70,7 +70,7 @@ def test_turns_a_minute_are_read_as_the_text_is():
         (
             "beta",
             array([10.0, 20.0], "degree", dims="amplitude"),
-            "its array is along 'amplitude', another parameter",
+            "the dimension of its array is named 'amplitude'",
         ),
         ("amplitude", array([1.0], "kg"), "'kg' does not measure amplitude"),
         ("amplitude", array([1.0], "1"), "'1' is not a unit"),
@@ -81,7 +81,7 @@ def test_turns_a_minute_are_read_as_the_text_is():
         (
             "amplitude",
             xarray.DataArray([1, 3], dims="amplitude", attrs={"scale_factor": 1e-4}),
-            "the numbers of the array are not decoded. Open the file with mask_and_scale=True",
+            "is not applied. Open the file with mask_and_scale=True",
         ),
     ],
 )
@@ -98,8 +98,8 @@ def test_quantities_that_do_not_fit_are_refused():
 
 def test_an_integer_of_thousands_of_digits_is_refused_in_words():
     for value, place in ((10**5000, ""), ({"start": 1, "stop": 2, "num": 10**5000}, ".num")):
-        told = f"parameters.amplitude{place}: it is a number larger than 1.8e308. Fix the value."
-        assert refusal(amplitude=value) == told
+        told = f"parameters.amplitude{place}: the number is larger than 1.8e308. "
+        assert refusal(amplitude=value) == f"{told}Write a smaller number."
 
 
 def test_numbers_in_the_unit_of_a_parameter_stay_numbers():
@@ -123,7 +123,7 @@ def test_arrays_along_one_dimension_are_designs_and_no_grid():
     groups = {"frequency": other, "gamma": array([1.0, 2.0], "degree", dims="other")}
     assert "share the dimensions" in refusal(amplitude=runs[0], beta=runs[1], **groups)
     best = array([10.0, 20.0], "degree", dims="amplitude")
-    assert "its array is along 'amplitude', another parameter" in refusal(beta=best)
+    assert "the dimension of its array is named 'amplitude'" in refusal(beta=best)
     apart = parameters(  # arrays without a name of their dimension, and columns without an index
         amplitude=xarray.DataArray([1e-4, 3e-4]), beta=xarray.DataArray([10.0, 20.0])
     )

@@ -114,8 +114,10 @@ def test_units_and_ranges_stay_as_they_were_typed():
 
 def test_what_no_command_line_holds_is_refused():
     long = {**PLANE, "parameters": {**PLANE["parameters"], "beta": [k / 1e4 for k in range(20000)]}}
-    with pytest.raises(StudyError, match="more than a command line holds"):
+    with pytest.raises(StudyError, match="too long for a command line"):
         to_curl(long)
+    with pytest.raises(StudyError, match="no Python function for the kind 'added'"):
+        FORMS["python"]({"kind": "added"})
 
 
 def test_a_recording_is_found_from_where_the_form_is_used(tmp_path):

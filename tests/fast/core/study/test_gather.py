@@ -75,10 +75,10 @@ def test_numbers_of_numpy_stand_wherever_numbers_do():
         ({"methd": 1}, "methd", "Did you mean 'method'?"),
         ({"paramters": 1}, "paramters", "Did you mean 'parameters'?"),
         ({"xyzzy": 1}, "parameters.xyzzy", "is not a parameter"),
-        ({"parameters": {"beta": 20}}, "parameters.beta", "it is given twice"),
+        ({"parameters": {"beta": 20}}, "parameters.beta", "beta is given twice"),
         ({"parameters": 5}, "parameters", ""),
         ({"kind": "swep"}, "kind", "'swep' is not a kind"),
-        ({"criterion": 3}, "criterion", "not a key of kind 'simulate'"),
+        ({"criterion": 3}, "criterion", "not a key of a study of kind 'simulate'"),
     ],
 )
 def test_what_is_wrong_with_keywords_is_told_at_its_place(change, place, words):
@@ -89,7 +89,7 @@ def test_what_is_wrong_with_keywords_is_told_at_its_place(change, place, words):
     ("beta", "message"),
     [
         (np.ones((2, 2)), "the value is an array of 2 dimensions"),
-        (range(10**12), "too long"),
+        (range(10**12), "too many values"),
         (np.array([]), "the list of values of beta is empty"),
         (np.array([1.0, np.nan]), "nan is not a finite number"),
         (np.array([True]), "true is not a number"),
@@ -118,7 +118,7 @@ def test_what_is_no_study_is_told(tmp_path):
     path = tmp_path / "list.json"
     path.write_text("[]")
     for given, place, words in (
-        (5, "study", "'int' is neither a study, a path nor"), (path, "study", "'list' is neither"),
+        (5, "study", "a value of type int is neither"), (path, "study", "list is neither"),
         (tmp_path / "none.toml", "file", "cannot be read"),
     ):  # fmt: skip
         assert words in problems(given, {})[place]

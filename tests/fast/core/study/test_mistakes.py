@@ -79,11 +79,11 @@ def test_a_velocity_is_that_of_the_kind_of_study(typed, kind, output):
     ("study", "messages"),
     [
         ({**TRACK, "outputs": ["transport_velocity"]},
-         ["outputs: a sweep gives transport_velocity; a simulation gives conveying_velocity. "
-          'Ask for conveying_velocity in outputs, or set kind = "sweep".']),
+         ["outputs: transport_velocity is an output of a sweep, not of a simulation. "
+          'Request conveying_velocity, or set kind = "sweep".']),
         ({**with_parameters(TRACK), "kind": "sweep", "outputs": ["conveying_velocity"]},
-         ["outputs: a simulation gives conveying_velocity; a sweep gives transport_velocity. "
-          'Ask for transport_velocity in outputs, or set kind = "simulate".']),
+         ["outputs: conveying_velocity is an output of a simulation, not of a sweep. "
+          'Request transport_velocity, or set kind = "simulate".']),
         (with_parameters(coating=1),
          ["parameters.coating: 'coating' is not a parameter. Known: alpha, amplitude, beta, "
           "burst_periods, frequency, friction, friction_kinetic, friction_static, gamma, gravity, "
@@ -91,10 +91,10 @@ def test_a_velocity_is_that_of_the_kind_of_study(typed, kind, output):
           "hold_down_force, length, line_purity, line_yield, mass, occupancy, part_gap, "
           "peak_to_peak, restitution, vertical_amplitude, vertical_peak_to_peak."]),
         ({"kind": "simulate", "scene": "rectangle-on-plane", **PLANE["parameters"]},
-         ["parameters: frequency, amplitude, beta, friction stand outside. "
-          "Write them below the line [parameters], in JSON within that object."]),
+         ["parameters: frequency, amplitude, beta, friction are outside the section [parameters]. "
+          "Write parameters below the line [parameters], in JSON in the object parameters."]),
         (with_parameters(outputs=["conveying_velocity"]),
-         ["parameters.outputs: 'outputs' is a key of the study, but stands in the section "
+         ["parameters.outputs: 'outputs' is a key of the study, but it is in the section "
           "[parameters]. Move outputs above the line [parameters]."]),
     ],
 )  # fmt: skip
@@ -128,16 +128,19 @@ def test_unusual_numbers_are_asked_about(name, typed, told):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("study.json", TOML, "this is TOML, and its name ends in .json. Name it study.toml."),
+        ("study.json", TOML,
+         "the file contains TOML, but its name ends in .json. Rename it to study.toml."),
         ("study.toml", json.dumps(PLANE),
-         "this is JSON, and its name ends in .toml. Name it study.json."),
+         "the file contains JSON, but its name ends in .toml. Rename it to study.json."),
         ("study.toml", "beta = 20 deg", "it is not TOML: Expected newline or end of "
-         "document after a statement (at line 1, column 11). Fix the syntax there: put texts, such "
-         'as "20 deg", in quotes.'),
+         "document after a statement (at line 1, column 11), in the line beta = 20 deg. Fix the "
+         'syntax there: put texts, such as "20 deg", in quotes.'),
+        ("study.toml", 'beta = "20 deg', "it is not TOML: Unterminated string (at end of "
+         'document), in the line beta = "20 deg. Is a quote missing there?'),
         ("study.json", "{", "it is not JSON: Expecting property name enclosed in double "
          "quotes: line 1 column 2 (char 1). Fix the syntax there."),
         ("study.nc", "", "it is a result, not a study. Draw it with `vibrafeed plot`, or "
-         "name its study."),
+         "give the study's file."),
     ],
 )  # fmt: skip
 def test_files_are_told_apart(tmp_path, name, text, message):
@@ -312,7 +315,7 @@ def test_utf_16_is_what_powershell_writes(tmp_path):
         ("simulate", 'drive = { file = "data\\new.csv", along = "a" }', SLASHES),
         ("calibrate", "observations = 'data\\x.csv'", SLASHES),
         ("sensitivity", "uncertain = { friction = { calibration = 'data\\x.nc' } }", SLASHES),
-        ("simulate", "drive = { file = 'data/x.csv', along = 'a' }", "Name a CSV file by its path"),
+        ("simulate", "drive = { file = 'data/x.csv', along = 'a' }", "Give the path of a CSV file"),
     ],
 )
 def test_a_missing_file_with_backslashes_is_told_of_the_separator(tmp_path, kind, line, words):

@@ -207,7 +207,7 @@ WRONG = [
     ({"scene": {"a": 1}}, "scene", "a table is not a text", TEXT),
     ({"title": ["x"]}, "title", "a list is not a text", TEXT),
     ({"outputs": "x"}, "outputs", "'x' is not a list", "Write a list in brackets"),
-    ({"outputs": []}, "outputs", "it has too few entries", "Give at least 1"),
+    ({"outputs": []}, "outputs", "the list has too few entries", "Give at least 1"),
     ({"max_periods": 99.5}, "max_periods", "99.5 is not a whole number", "Write a whole number"),
     ({"max_periods": 3}, "max_periods", "3 is too small", "Write at least 8"),
     ({"tolerance": True}, "tolerance", "true is not a number", "Write a plain number"),

@@ -104,7 +104,7 @@ def test_thousands_as_the_screen_writes_them_may_be_decimals(text):
 
 @pytest.mark.parametrize("read", [read_json, read_toml])
 def test_an_integer_of_900_000_digits_is_refused_in_our_words(read):
-    digits, words = "1" * 900_000, "it is a number larger than 1.8e308. Fix the value."
+    digits, words = "1" * 900_000, "the number is larger than 1.8e308. Write a smaller number."
     text = '{"frequency": DIGITS}' if read is read_json else "frequency = DIGITS\n"
     for given, place in ((digits, ""), (digits[:400], "frequency: ")):
         assert f"{place}{words}" in words_of(read, text.replace("DIGITS", given))

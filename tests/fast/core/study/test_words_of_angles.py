@@ -148,7 +148,7 @@ def test_messages_say_what_the_user_wrote():
     small = {**PLANE, "parameters": {**DRIVE, "elevation": 0.35}}  # radians, probably
     assert prepare_content(small).questions[0].startswith("elevation = 0.35 means")
     outside = {**PLANE, "elevation": 20, "parameters": DRIVE}
-    assert told(outside)[0].startswith("parameters: elevation stands outside")
+    assert told(outside)[0].startswith("parameters: elevation is outside")
 
 
 def test_slices_and_pictures_take_words():

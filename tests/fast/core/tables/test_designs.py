@@ -178,11 +178,14 @@ def test_designs_are_verified_and_reduced():
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (study(designs=[{"frequency": 50}, {"amplitude": 1e-4}]), "designs row 2: it has no freq"),
-        (study(designs=[{"beta": 50}]), "parameters.beta: it is given twice"),
+        (
+            study(designs=[{"frequency": 50}, {"amplitude": 1e-4}]),
+            "designs row 2: this design has no freq",
+        ),
+        (study(designs=[{"beta": 50}]), "parameters.beta: beta is given twice"),
         (study(designs={"zip": ["frequency"]}), "designs.zip: frequency is not a list of values"),
         (study(designs={"zap": ["frequency"]}), "designs: they are neither a table nor lists"),
-        (study(designs=[]), "designs: they have no rows"),
+        (study(designs=[]), "designs: the list of designs is empty"),
         (
             study(parameters={"frequency": {"design": [1, 2]}, "amplitude": {"design": [1e-4]}}),
             "designs: the parameters have different numbers of values: 2 of frequency, 1 of amp",
@@ -199,7 +202,7 @@ def test_designs_that_are_none(content, message):
 
 def test_the_service_reads_no_file_of_designs(tmp_path):
     content = [*ways(tmp_path)][-1]
-    with pytest.raises(StudyError, match=r"designs.file: the service reads no files"):
+    with pytest.raises(StudyError, match=r"designs.file: the service cannot read files"):
         prepare_content(content)
     sent = resolve_files(content, "curl", tmp_path)
     assert sent["designs"][1] == {"frequency": "2400 rpm", "amplitude": "200 um"}

@@ -93,7 +93,7 @@ def test_columns_without_names_have_numbers():
     headless = "\n".join(text().splitlines()[1:])
     assert is_read_right(headless, "2", "3", unit="g", time="1")
     assert is_read_right(headless, "2", "3", unit="g", rate=2000)
-    with pytest.raises(StudyError, match="It has no names: give a column by its number, 1 to 3"):
+    with pytest.raises(StudyError, match="The columns have no names: give a number from 1 to 3"):
         is_read_right(headless, unit="g", time="1")
 
 
@@ -138,7 +138,7 @@ ADVICE = {
     "Rename one": (
         PLAIN.replace("az [g]", "ax [g]", 1), {"normal": "ax"}, PLAIN, {},
     ),
-    "Correct the line, or remove it": (
+    "Correct or remove the line": (
         "\n".join([*ROWS[:50], "0.0245,knock,1.0", *ROWS[51:]]), {},
         "\n".join([*ROWS[:50], ROWS[50], *ROWS[51:]]), {},
     ),
@@ -161,7 +161,7 @@ ADVICE = {
         PLAIN.replace("[g]", "[V]"), {"sensitivity": "1 V/g"},
     ),
     "Known: ax, az, time": (PLAIN, {"normal": "ay"}, PLAIN, {}),
-    "Name channels of one kind": (PLAIN.replace("az [g]", "az [mm]"), {}, PLAIN, {}),
+    "Name only columns of one quantity": (PLAIN.replace("az [g]", "az [mm]"), {}, PLAIN, {}),
     "Sort the rows by their times": ("\n".join([ROWS[0], *ROWS[:0:-1]]), {}, PLAIN, {}),
     "give the sampling rate (rate) and leave time out": (
         PLAIN.replace("\n0.0010,", "\n0.0005,"), {},
@@ -170,8 +170,8 @@ ADVICE = {
     "Write s, ms, us or min in the header": (
         PLAIN.replace("time [s]", "time [g]"), {}, PLAIN, {},
     ),
-    "Give a row of names, and rows of numbers below": ("\n\n", {}, PLAIN, {}),
-    "Give rows of numbers below the names": (ROWS[0], {}, PLAIN, {}),
+    "Add a row of names and rows of numbers below it": ("\n\n", {}, PLAIN, {}),
+    "Add rows of numbers below the names": (ROWS[0], {}, PLAIN, {}),
 }  # fmt: skip
 
 

@@ -30,7 +30,7 @@ def test_a_distance_and_a_time_are_a_speed(tmp_path):
 
 
 def test_no_time_is_no_speed():
-    with pytest.raises(StudyError, match="a part takes 0 s over the distance"):
+    with pytest.raises(StudyError, match="the time of a part over the distance is 0 s"):
         runs([{"amplitude": "0.3 mm", "distance": "40 cm", "time": 0}])
     with pytest.raises(StudyError, match="'s' does not measure effective distance"):
         runs([{"amplitude": "0.3 mm", "distance": "40 s", "time": 1}])

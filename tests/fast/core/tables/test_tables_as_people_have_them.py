@@ -113,7 +113,7 @@ def test_recordings_that_are_wrong_are_refused_and_their_advice_makes_them_right
         numbers(REVERSED)
     assert "a minus sign in front of the column's name" in str(caught.value)
     is_true(numbers(REVERSED, normal="-az"))
-    with pytest.raises(StudyError, match="they look like ms. Write the unit in the heading, as in "
+    with pytest.raises(StudyError, match="is probably ms. Write the unit in the heading, as in "
                        r"'time \[ms\]', or give rate = the samples per second"):  # fmt: skip
         numbers(UNNAMED, unit="g")
     is_true(numbers(UNNAMED.replace("time", "time [ms]", 1), unit="g"))
