@@ -61,7 +61,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
         problems += (locate_problem(_of_other_drive(each, scene), study) for each in error.problems)
-    if study.method not in (None, *METHODS):
+    if study.method is not None and study.method not in METHODS:
         unknown = f"'{study.method[:60]}' is not a method"
         problems.append(Problem("method", unknown, suggestion(study.method, METHODS)))
     if problems:
