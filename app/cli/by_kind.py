@@ -118,11 +118,11 @@ def describe_nearest(result: "Table", units: "ShownUnits", deadline: float | Non
     for design in designs:
         side = "at most" if design.upper else "at least"
         bound = format_value(design.output, design.bound, units)
-        reason = _CONTACTS.get(design.name, "is asked")
         value = format_value(design.output, design.value, units)
         lines.append(
-            f"Nearest: {design.output} {value} ({side} {bound} {reason}) with all other limits "
-            f"kept, at {list_choice(design.choice, units)}."
+            f"Nearest: {design.output} {value} ({side} {bound} "
+            f"{_CONTACTS.get(design.name, 'is asked')}) with all other limits kept, at "
+            f"{list_choice(design.choice, units)}."
         )
     for change in changes:
         value = format_value(change.output, change.value, units)

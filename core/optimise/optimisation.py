@@ -258,8 +258,9 @@ def _criterion_of_exact_parameters(problem: OptimisationProblem) -> str:
     if isinstance(criterion, Weighted):
         return f"largest {output} - {criterion.weight:g} |{against}|"
     if isinstance(criterion, Limited):
-        limit = _in_words(criterion.against, criterion.limit)
-        return f"largest {output} with |{against}| <= {limit}"
+        return (
+            f"largest {output} with |{against}| <= {_in_words(criterion.against, criterion.limit)}"
+        )
     if isinstance(criterion, Target):
         return f"{output} nearest to {_in_words(output, criterion.target)}"
     if isinstance(criterion, Pareto):

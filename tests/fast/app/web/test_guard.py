@@ -405,7 +405,7 @@ class TestSettings:
         [
             ("VIBRAFEED_API_KEY_HASHES", KEY, "`vibrafeed key add`"),
             ("VIBRAFEED_CORS_ORIGINS", '["https://lab.example"', "JSON list"),
-            ("VIBRAFEED_CORS_ORIGINS", '[["https://lab.example"]]', "Fix"),
+            ("VIBRAFEED_CORS_ORIGINS", '[["https://lab.example"]]', "Correct"),
             ("VIBRAFEED_CORS_ORIGINS", "*", "not a web origin"),
             ("VIBRAFEED_CORS_ORIGINS", "https://lab.example/", "not a web origin"),
             ("VIBRAFEED_MAX_REQUESTS", "0", "greater than 0"),

@@ -164,7 +164,7 @@ class TestRequests:
         document = problem(client.post("/sweeps", content=body), 422)
         assert all(error["message"] and error["fix"] for error in document["errors"])
         if b"1" * 15_000 in body:
-            assert document["errors"][0]["message"] == "it is a number larger than 1.8e308"
+            assert document["errors"][0]["message"] == "the number is larger than 1.8e308"
 
     def test_limits_are_named_with_what_would_fit(self, client):
         axis = {"start": 0, "stop": 1, "num": 1_000_000}

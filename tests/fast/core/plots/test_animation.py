@@ -93,7 +93,7 @@ def test_wrong_requests(hop, row, tmp_path):
     for target, asked, told in (
         ("part.png", {"kind": "animation"}, "'.png': unknown animation format"),
         ("part.png", {"slow": 5}, "only an animation has a slow-motion factor"),
-        ("part.gif", {"kind": "map"}, "a map does not move"),
+        ("part.gif", {"kind": "map"}, "a picture of kind map cannot be"),
         ("part.gif", {"slow": -1}, "'-1' is not above 0"),
         ("part.gif", {"slow": 1e5}, "at most 1,000 are drawn. Give a smaller slow-motion factor"),
         ("part.gif", {"variable": "position_along"}, "shows the whole trajectory"),

@@ -207,7 +207,11 @@ def test_numbers_in_names_are_told_from_values():
         ({"kind": "contour", "axes": ("beta",)}, "kind", "needs two axes"),
         ({"kind": "levels", "axes": ("beta",)}, "kind", "kind levels needs two axes"),
         ({"kind": "surface"}, "kind", "Draw kind contour or levels"),
-        ({"kind": "map", "variable": "throw_number"}, "variable", "throw_number has numbers"),
+        (
+            {"kind": "map", "variable": "throw_number"},
+            "variable",
+            "the values of throw_number are numbers",
+        ),
         ({"kind": "contour", "variable": "vibration_acceleration"}, "kind", "as kind line"),
         ({"at": {"frequency": 61}}, "at.frequency", "The nearest are 50 and 60 Hz; --nearest"),
         ({"at": {"frequency": float("nan")}}, "at.frequency", "finite"),

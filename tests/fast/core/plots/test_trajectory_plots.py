@@ -156,9 +156,9 @@ def test_a_part_at_rest_and_one_output_over_the_cycle():
     ("dataset", "asked", "place", "words"),
     [
         (hop(), {"kind": "trajectory", "variable": "height_above_floor"}, "variable",
-         "a picture of kind trajectory has no variable. Leave variable out"),
+         "a picture of kind trajectory does not use variable. Leave"),
         (hop(), {"kind": "trajectory", "axes": ("beta",)}, "axes", "Leave axes out"),
-        (hop(), {"at": {"friction": 0.4}}, "at", "has no at"),
+        (hop(), {"at": {"friction": 0.4}}, "at", "does not use at"),
         (hop().drop_vars("height_above_floor"), {}, "dataset", "has no height_above_floor"),
         (hop().drop_vars("frequency"), {}, "dataset", "its motion has no frequency"),
         (hop([0.0]), {}, "dataset", "one time only"),

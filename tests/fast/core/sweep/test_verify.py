@@ -243,9 +243,11 @@ def test_a_wrong_number_is_refused_with_its_place(kind, wrong):
 
 def test_what_would_take_too_long_is_refused():
     long = {**MOTION["parameters"], "amplitude": {"start": 1e-4, "stop": 2e-4, "num": 100_000}}
-    with pytest.raises(StudyError, match=r"reference takes some 0\.\d+ s a cell") as refusal:
+    with pytest.raises(StudyError, match=r"takes too long: about 0\.\d+ s per cell") as refusal:
         prepare_content({**MOTION, "parameters": long, "verify": 10_000})
-    most = int(refusal.value.problems[0].fix.removeprefix("Give at most ").replace(",", ""))
+    most = int(
+        refusal.value.problems[0].fix.removeprefix("Set verify to at most ").replace(",", "")
+    )
     prepared = prepare_content({**MOTION, "parameters": long, "verify": most})
     assert prepared.seconds_to_verify == pytest.approx(100.0, rel=1 / most)
     few = prepare_content({**MOTION, "verify": 500})
