@@ -125,7 +125,6 @@ def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
             f"harmonic {requested} of {frequency:.4g} Hz needs "
             f"{requested * frequency / NYQUIST_SHARE:,.0f} samples per second, and the recording "
             f"has {samples.size / samples.duration:,.0f}",
-            f"{samples.size / samples.duration:,.0f}",
             f"Give harmonics = {len(resolvable)} at most, or record faster"
             if resolvable
             else "Record faster",

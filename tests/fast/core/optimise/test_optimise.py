@@ -331,7 +331,7 @@ def test_bounds_that_exclude_everything(method):
     assert status(dataset) == "infeasible"
     assert np.isnan([dataset.best_beta, dataset.objective]).all()
     assert int(dataset.regime) == REGIMES["not_assessed"].value
-    assert dataset.attrs["message"].startswith("infeasible: no choice keeps")
+    assert dataset.attrs["message"].startswith("infeasible: no choice satisfies")
 
 
 @pytest.mark.parametrize("method", spread(["search", "scipy"], 1))
