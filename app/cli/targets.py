@@ -213,7 +213,10 @@ def complete_already(
             continue
         if not force or is_zarr(target):
             fix = REMOVE if is_zarr(target) else REPLACE
-            fix = "It is of this study: add --resume to keep or continue it. " * is_same + fix
+            fix = (
+                "It is a result of this study: add --resume to keep or continue it. " * is_same
+                + fix
+            )
             problems[path] = [Problem("output", f"{target} exists already", fix)]
     if problems:
         refuse(problems)

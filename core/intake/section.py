@@ -224,7 +224,7 @@ def problems_of(
                 "parameters",
                 f"{', '.join(outside[:OUTSIDE])}{', ...' if outside[OUTSIDE:] else ''} "
                 f"{'is' if len(outside) == 1 else 'are'} outside the section [parameters]",
-                "Write parameters below the line [parameters], in JSON in the object parameters",
+                "Move them below the line [parameters], or in JSON into the object parameters",
             )
         )
         faults = [

@@ -104,7 +104,7 @@ def test_what_cannot_be_computed_says_so_and_one_click_helps(page: Page, address
 
 def test_a_method_that_gives_means_has_its_part_at_rest(page: Page, address: str) -> None:
     opened(page, f"{address}/#question=speed&kind=simulate&scene=sphere-on-plane")
-    shows(page, {SENTENCE: "Nothing conveys the part", "#at-rest": "computes only means"})
+    shows(page, {SENTENCE: "Nothing conveys the part", "#at-rest": "gives means only"})
     expect(page.locator("#detail")).to_be_hidden()
 
 

@@ -55,7 +55,7 @@ REFUSED = {
     ),
     # Where results would go.
     "run study.toml again/study.toml -o .": (2, "several studies would write to"),
-    "run study.toml motion.toml": (2, "output: motion.nc exists already. It is of this study: add"),
+    "run study.toml motion.toml": (2, "output: motion.nc exists already. It is a result of this"),
     "run study.toml -o mine.nc --resume": (2, f"output: mine.nc {EXISTS}"),
     "run study.toml -o a.zarr": (2, GROUP),
     "run study.toml -o a.zarr --force": (2, GROUP),

@@ -92,7 +92,7 @@ def test_a_velocity_is_that_of_the_kind_of_study(typed, kind, output):
           "peak_to_peak, restitution, vertical_amplitude, vertical_peak_to_peak."]),
         ({"kind": "simulate", "scene": "rectangle-on-plane", **PLANE["parameters"]},
          ["parameters: frequency, amplitude, beta, friction are outside the section [parameters]. "
-          "Write parameters below the line [parameters], in JSON in the object parameters."]),
+          "Move them below the line [parameters], or in JSON into the object parameters."]),
         (with_parameters(outputs=["conveying_velocity"]),
          ["parameters.outputs: 'outputs' is a key of the study, but it is in the section "
           "[parameters]. Move outputs above the line [parameters]."]),
