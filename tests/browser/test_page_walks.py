@@ -137,22 +137,3 @@ def test_designs_are_kept_and_compared(page: Page, address: str) -> None:
     assert number(page) == 49.9
     clicked(page, "Remove design D")
     expect(cells).to_have_count(4)
-
-
-def test_a_job_is_a_design_that_is_shown_again(page: Page, address: str) -> None:
-    opened(page, address)
-    typed(page, "#value-friction", "0.35")
-    before = page.url
-    taken_away(page, "NetCDF")
-    # On a busy machine the picture of another value is a job, too.
-    named = page.locator("b[title*='friction 0.35']")
-    line = page.locator("#jobs li").filter(has=named).first
-    expect(line).to_contain_text("Motion: conveying velocity over amplitude")
-    expect(line).to_contain_text("The results are ready.")
-    typed(page, "#value-friction", "0.4")
-    expect(page).not_to_have_url(before)
-    revealed(page, "#jobs")
-    line.get_by_role("button", name="Show").click()
-    expect(page).to_have_url(before)
-    settled(page)
-    assert value(page, "friction") == 0.35

@@ -12,7 +12,6 @@ import { Curves } from "./curves.js";
 import { byId, element, fill } from "./elements.js";
 import { tellFigures, viewOf } from "./figures.js";
 import { Headline } from "./headline.js";
-import { Jobs } from "./jobs.js";
 import { tellDevices, tellValues } from "./lists.js";
 import { mattersOf, mattersStudy, tellMatters } from "./matters.js";
 import { Measured, fitTold } from "./measured.js";
@@ -27,7 +26,7 @@ import { tellMoves } from "./plate.js";
 import { Player } from "./player.js";
 import { QUESTIONS, begun } from "./questions.js";
 import { isSet, takes, withSet } from "./sets.js";
-import { Refusal, get } from "./service.js";
+import { Refusal, abandon, get } from "./service.js";
 import { tellSheet } from "./sheet.js";
 import { Stage } from "./stage.js";
 import { COARSE, Derived, Store, batch, effect, untracked } from "./store.js";
@@ -67,14 +66,7 @@ class Page {
   derive() {
     const { store, source } = this;
     const persist = (task) => this.notice.persist(task);
-    const noted = (view, how) => ({
-      ...how,
-      tell: (job) => {
-        this.jobs.note(job, this.told(view));
-        how.tell(job);
-      },
-    });
-    const derived = (key, ask) => new Derived(store, { key, ask: (view, scene, how) => ask(view, scene, noted(view, how)), persist });
+    const derived = (key, ask) => new Derived(store, { key, ask, persist });
     const shows = (view, section) => [...QUESTIONS[view.question].main, ...QUESTIONS[view.question].side].includes(section);
     this.answer = derived(
       (view) => designOf({ ...view, band: null }) + LISTED.has(view.question),
@@ -126,10 +118,6 @@ class Page {
       return { [view.x.name]: x, ...(view.y && y !== undefined && y !== null ? { [view.y.name]: y } : {}) };
     };
     this.headline = new Headline();
-    this.jobs = new Jobs(byId("jobs"), (link) => {
-      location.hash = link;
-      byId("headline").focus();
-    });
     this.controls = new Controls(setView);
     this.picture = new Picture({
       onpick: (at) => move(point(at), { isOver: true }),
@@ -155,7 +143,6 @@ class Page {
         setView,
         mark: (marks, whose) => (marks === null ? this.ring() : this.picture.mark(marks, whose)),
         persist: (task) => this.notice.persist(task),
-        tell: (job, view) => this.jobs.note(job, this.told(view)),
         pin: (designs) => this.pins.pin(this.view, designs),
       },
     );
@@ -163,7 +150,6 @@ class Page {
       study: (what) => (what === "best" ? this.optimum.study() : this.view.surface ? surfaceStudy(this.view) : this.source.study(this.view)),
       picture: () => (this.view.question === "drive" && this.optimum.front) || this.picture.drawing,
       told: () => ({ title: `${byId("headline").textContent} ${capital(words(this.view.output))}`, lines: [valuesTold(this.view, this.store.scene.value)], link: location.href }),
-      tell: (job) => this.jobs.note(job, this.told(this.view)),
       hasBest: () => this.view.question === "drive",
     });
     byId("skip").addEventListener("click", (event) => {
@@ -225,6 +211,7 @@ class Page {
     const waiting = this.notice.away.value;
     const { status, value } = this.sine.state.value;
     const sine = status === "ready" ? value : null;
+    const search = view.question === "drive" ? this.optimum.searching(view) : null;
     let answer = null;
     let shown = state;
     if (fit && fit.status !== "none") {
@@ -233,14 +220,15 @@ class Page {
     } else if (found) answer = answerTo({ view, scene, dataset: found.dataset, band: isBand ? band.value : null, matters, sine, field });
     if (view.question === "drive" && answer) answer = { ...answer, strip: null, unit: `${answer.unit}${this.optimum.gain(view, valueOf(found.dataset, view.output))}` };
     untracked(() => {
-      this.headline.show(shown, answer, { odd: this.oddity(view, scene), actions: this.actionsFor(view, shown, fit, waiting), waiting });
+      this.headline.show(shown, answer, { odd: this.oddity(view, scene), actions: this.actionsFor(view, shown, { fit, waiting, search }), waiting });
       if (["failed", "ready"].includes(state.status)) this.controls.complain(state.errors ?? []);
     });
   }
 
   // One click that helps, where there is no answer.
-  actionsFor(view, state, fit, waiting) {
+  actionsFor(view, state, { fit, waiting, search }) {
     if (waiting) return [{ text: "Ask now", onclick: () => this.notice.now() }];
+    if (search) return [{ text: "Cancel the search", onclick: () => search.cancel("Cancelled.") }];
     if (state.status === "computing" && state.job) return [{ text: "Cancel", onclick: () => (fit ? this.fit : this.answer).cancel("Cancelled.") }];
     if (fit?.value && Math.abs(view.values[fit.value.name] - fit.value.value) > 5e-4 * fit.value.value) {
       return [{ text: `Use ${Number(fit.value.value.toPrecision(3))} as the ${words(fit.value.name)}`, onclick: () => this.controls.set(fit.value.name, Number(fit.value.value.toPrecision(4))) }];
@@ -417,6 +405,7 @@ class Page {
       if (location.hash !== this.link) this.restore();
     });
     get("/healthz").then(({ version }) => (byId("version").textContent = version), () => {});
+    addEventListener("pagehide", abandon);
     this.isReady = true;
     await (this.asked ? this.ask(this.asked) : this.restore());
   }
@@ -452,12 +441,6 @@ class Page {
     const figures = await this.catalogue.figures();
     const chosen = figures.find((one) => one.name === name) ?? figures[0];
     await this.open(viewOf(chosen), { complaints, isStep });
-  }
-
-  // A view in the list of jobs: what it shows, its values, and the link that opens it.
-  told(view) {
-    const axes = [view.x, view.y].filter(Boolean).map(({ name }) => words(name));
-    return { title: `${words(view.output)} over ${axes.join(" and ")}`, told: valuesTold(view, this.store.scene.peek()), link: toLink(view) };
   }
 
   // The one way in which a view changes: the address, the fields and every picture follow. `held` while a slider or a

@@ -60,7 +60,7 @@ export class Optimum {
    * the picture, `ring()` draws the design's where it is.
    * @param {import("./store.js").Store} store @param {any} hosts @param {any} how
    */
-  constructor(store, hosts, { setView, mark, persist, tell, pin }) {
+  constructor(store, hosts, { setView, mark, persist, pin }) {
     this.store = store;
     this.hosts = hosts;
     this.setView = setView;
@@ -73,13 +73,7 @@ export class Optimum {
     const derived = (key, ask) =>
       new Derived(store, {
         key: (view, scene) => (view.question === "drive" && view.best ? key(view, scene) : null),
-        ask: (view, scene, how) => {
-          const hear = (job) => {
-            how.tell(job);
-            tell(job, view);
-          };
-          return ask(view, scene, { ...how, tell: hear });
-        },
+        ask,
         persist,
       });
     const wished = (view, chip) => ({ ...view, best: CHIPS[chip].wish(view.best) });
@@ -117,6 +111,12 @@ export class Optimum {
 
   chosen(view) {
     return this.states?.[chipOf(view.best)]?.state;
+  }
+
+  // The search for the best while it runs, else null.
+  searching(view) {
+    const search = this.states[chipOf(view.best)];
+    return search.state.value.status === "computing" ? search : null;
   }
 
   // The best design that is chosen, or null.
@@ -209,6 +209,8 @@ export class Optimum {
     this.applied = null;
     this.isKept = false;
     this.setView({ best: { ...best, isFound: true } });
+    const search = this.states[chipOf(best)];
+    if (search.state.value.status === "failed") search.again();
   }
 
   // Take the design that was found, once: the ring travels to it.

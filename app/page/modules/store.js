@@ -1,7 +1,7 @@
 // The state of the page: one frozen view, and resources derived from it.
 
 import { batch, computed, effect, signal, untracked } from "../vendor/signals-core.mjs";
-import { Refusal, left } from "./service.js";
+import { Refusal } from "./service.js";
 import { sentence } from "./words.js";
 
 export { batch, computed, effect, signal, untracked };
@@ -92,7 +92,7 @@ export class Derived {
   }
 
   stop({ isTimed = false } = {}) {
-    this.running?.abort.abort(left());
+    this.running?.abort.abort();
     this.running = null;
     if (isTimed) return;
     clearTimeout(this.late);
