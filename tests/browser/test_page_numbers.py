@@ -15,7 +15,6 @@ NUMBERS = (
     (FRICTION, "0,35", 0.35),
     (FREQUENCY, "55 hz", 55.0),
     (FREQUENCY, "3300 RPM", 55.0),
-    (FREQUENCY, "3000/60", 50.0),
     (FRICTION, "25 %", 0.25),
     (FREQUENCY, "53,5", 53.5),
 )

@@ -1,4 +1,4 @@
-// Numbers as people type them: a point or a comma, a unit, a simple expression. What is no number
+// Numbers as people type them: a point or a comma, a unit. What is no number
 // stays none: it never becomes 0.
 
 import { shown } from "./words.js";
@@ -28,7 +28,7 @@ export function readNumber(text, unit) {
     return { problem: `"${typed}" may mean two numbers: remove the comma, or write a decimal point` };
   }
   const [perUnit] = shown(unit);
-  const bare = evaluated(typed);
+  const bare = plain(typed);
   const value = bare === null ? withUnitTyped(typed, unit) : bare / perUnit;
   if (value === null) {
     const known = Object.keys(TYPED[unit] ?? {}).join(", ");
@@ -44,40 +44,15 @@ function withUnitTyped(text, unit) {
   const exact = endings((one) => one);
   const [name] = (exact.length ? exact : endings((one) => one.toLowerCase())).sort((one, other) => other.length - one.length);
   if (name === undefined) return null;
-  const value = evaluated(text.slice(0, -name.length));
+  const value = plain(text.slice(0, -name.length).trim());
   const [perUnit, nameShown] = shown(unit);
   if (value === null) return null;
   return name === nameShown ? value / perUnit : value * known[name];
 }
 
-// The value of an expression of + - * / and brackets, null if it is none.
-function evaluated(text) {
-  const plain = text.replace(/(\d),(\d)/g, "$1.$2");
-  const tokens = plain.match(/\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?|[-+*/()]|\S/g) ?? [];
-  let place = 0;
-  const next = () => tokens[place];
-  const sum = () => {
-    let value = product();
-    while (next() === "+" || next() === "-") value = tokens[place++] === "+" ? value + product() : value - product();
-    return value;
-  };
-  const product = () => {
-    let value = factor();
-    while (next() === "*" || next() === "/") value = tokens[place++] === "*" ? value * factor() : value / factor();
-    return value;
-  };
-  const factor = () => {
-    const token = tokens[place++];
-    if (token === "-") return -factor();
-    if (token === "+") return factor();
-    if (token === "(") {
-      const value = sum();
-      return tokens[place++] === ")" ? value : NaN;
-    }
-    return token !== undefined && /^[\d.]/.test(token) ? Number(token) : NaN;
-  };
-  const value = sum();
-  return place === tokens.length && !Number.isNaN(value) ? value : null;
+// The value of a number with a point or a comma; null of anything else.
+function plain(text) {
+  return /^[-+]?(\d+[.,]?\d*|[.,]\d+)(e[-+]?\d+)?$/i.test(text) ? Number(text.replace(",", ".")) : null;
 }
 
 // As it stands in a field: six digits, in the unit that is shown.
