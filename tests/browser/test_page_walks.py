@@ -77,10 +77,6 @@ def test_everything_follows_a_slider_and_a_link_restores_it(page: Page, address:
     opened(page, link)
     assert at_cursor(page) == after
     expect(page.locator(NUMBER)).to_have_text(told)
-    # Before, a link held a point of the map.
-    opened(page, f"{address}/#question=speed&x=amplitude:0.0001:0.001&y=beta:0:60&point=0.0003:30")
-    assert (value(page, "amplitude"), value(page, "beta")) == (0.3, 30)
-    assert "point" not in page.url
 
 
 def test_friction_is_chosen_from_published_values_with_its_range(page: Page, address: str) -> None:

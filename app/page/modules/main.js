@@ -15,6 +15,7 @@ import { Headline } from "./headline.js";
 import { tellDevices, tellValues } from "./lists.js";
 import { mattersOf, mattersStudy, tellMatters } from "./matters.js";
 import { Measured, fitTold } from "./measured.js";
+import { designOf, fromLink, pictureOf, toLink } from "./link.js";
 import { tellMeaning } from "./meaning.js";
 import { Notice } from "./notice.js";
 import { complete } from "./opening.js";
@@ -32,7 +33,7 @@ import { Stage } from "./stage.js";
 import { COARSE, Derived, Store, batch, effect, untracked } from "./store.js";
 import { STROKE, takesBoth } from "./stroke.js";
 import { Surface, surfaceStudy } from "./surface.js";
-import { designOf, fromLink, frozen, pictureOf, toLink, unusual } from "./view.js";
+import { frozen, unusual } from "./view.js";
 import { Waves } from "./waves.js";
 import { capital, duration, learn, number, valuesTold, words } from "./words.js";
 

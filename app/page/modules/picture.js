@@ -4,7 +4,7 @@ import { Curves } from "./curves.js";
 import { byId, element, fill } from "./elements.js";
 import { legendOf, lookOf, occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
-import { pictureOf } from "./view.js";
+import { pictureOf } from "./link.js";
 import { capital, number, withUnit, words } from "./words.js";
 
 export class Picture {

@@ -4,7 +4,8 @@ import { design, flagOf, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { button } from "./fields.js";
 import { Refusal } from "./service.js";
-import { MAX_PINS, givenValues } from "./view.js";
+import { MAX_PINS } from "./link.js";
+import { givenValues } from "./view.js";
 import { capital, label, number, shown, words } from "./words.js";
 
 export const LETTERS = ["A", "B", "C", "D"];

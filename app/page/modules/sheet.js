@@ -4,7 +4,7 @@ import { flagOf, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { liftOff } from "./answers.js";
 import { partOf } from "./parts.js";
-import { toLink } from "./view.js";
+import { toLink } from "./link.js";
 import { capital, number, withUnit, words } from "./words.js";
 
 export function tellSheet(host, { view, scene, dataset, version }) {
