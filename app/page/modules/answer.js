@@ -13,20 +13,6 @@ export function designsOf(dataset, names) {
   return Array.from({ length: count }, (_, i) => designOf(variables, names, (one) => (one.dims.includes("front") ? one.data[i] : one.data)));
 }
 
-const STRAIGHT = 0.05; // of both ranges
-
-// Whether a front has a knee worth the name: some design of it lies well off the chord between its ends.
-/** @param {{values: any}[]} designs @param {string} output @param {string} against */
-export function isBent(designs, output, against) {
-  const shares = (list) => {
-    const [low, high] = [Math.min(...list), Math.max(...list)];
-    return list.map((value) => (high > low ? (value - low) / (high - low) : 0));
-  };
-  const best = shares(designs.map(({ values }) => values[output].value));
-  const others = shares(designs.map(({ values }) => Math.abs(values[against].value)));
-  return best.some((share, i) => share - others[i] > STRAIGHT);
-}
-
 function designOf(variables, names, at) {
   const value = (name) => (variables[name] ? at(variables[name]) : null);
   const flag = (name) => {

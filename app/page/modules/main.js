@@ -81,10 +81,6 @@ class Page {
     this.map = derived((view) => pictureOf({ ...view, band: null }) + (isCoarse(view) ? COARSE : ""), (view, scene, how) => source.map(view, scene, how));
     const isDrawn = (view) => this.map.state.value.status === "ready" && this.map.state.value.of === pictureOf({ ...view, band: null });
     this.bandLine = derived((view) => (store.held.value === null && isBanded(view) && !view.y && isDrawn(view) ? pictureOf({ ...view, question: "uncertain" }) : null), bandOver);
-    this.others = derived(
-      (view) => (view.pins?.length && !view.y && isDrawn(view) ? pictureOf({ ...view, band: null }) + JSON.stringify(view.pins) : null),
-      (view, scene, how) => Promise.all(view.pins.map(async (pin, i) => ({ text: `design ${LETTERS[i]}`, found: await source.map({ ...view, values: { ...view.values, ...pin } }, scene, { signal: how.signal }) }))),
-    );
     this.matters = derived((view, scene) => (store.held.value === null && mattersStudy(view, scene) ? JSON.stringify(mattersStudy(view, scene)) : null), mattersOf);
     this.measured = new Measured(byId("measured"), (runs) => this.setView({ runs }));
     this.fit = derived(
@@ -254,7 +250,7 @@ class Page {
   renderMap(view) {
     const state = this.map.state.value;
     const waiting = this.notice.away.value;
-    const [band, others] = [this.bandLine, this.others].map((one) => one.state.value);
+    const band = this.bandLine.state.value;
     const answer = this.answer.state.value;
     untracked(() => {
       const isHeld = this.store.held.peek() !== null;
@@ -269,11 +265,7 @@ class Page {
         this.extra = band.value;
         this.picture.showBand(state.value, band.value);
       }
-      if (isOf && others.status === "ready" && this.extra !== others.value) {
-        this.extra = others.value;
-        this.picture.showOthers(state.value, others.value);
-      }
-      this.tellMap(state, waiting, [band, others].some(({ status }) => status === "computing"));
+      this.tellMap(state, waiting, band.status === "computing");
       this.ring(answer.status === "ready" && !answer.isLate ? answer.value : null);
     });
   }
@@ -390,8 +382,7 @@ class Page {
       byId("resonance").classList.toggle("stale", state.isLate);
       if (this.curveOf !== state.value) {
         this.curveOf = state.value;
-        const values = Array.from(state.value.x.values, (_, i) => state.value.z.at(i));
-        this.curve.show({ x: state.value.x, lines: [{ name: state.value.z.name, unit: state.value.z.unit, values }], regime: null });
+        this.curve.show({ ...state.value, regime: null });
       }
       const natural = answer.value ? valueOf(answer.value.dataset, "natural_frequency") : null;
       this.curve.mark([{ x: view.values.frequency, text: "the drive" }, ...(Number.isFinite(natural) ? [{ x: natural, text: "the springs", isLow: true }] : [])], "drive");

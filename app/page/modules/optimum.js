@@ -1,12 +1,11 @@
 // The best drive: chips of what may be meant by it, the flight of the design to it, and what holds it back.
 
-import { isBent } from "./answer.js";
 import { bestStudy, nearestTo, searched, variablesOf } from "./best.js";
 import { carryOut } from "./service.js";
 import { design, studyWith, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { button } from "./fields.js";
-import { Front } from "./front.js";
+import { Front } from "./curves.js";
 import { marginsTold, ratesTold, statusTold } from "./margin.js";
 import { Derived, effect, untracked } from "./store.js";
 import { givenValues } from "./view.js";
@@ -330,24 +329,28 @@ export class Optimum {
     return times > 1.05 ? `, ${number(times, times < 10 ? 2 : 3)} times as fast` : "";
   }
 
-  tellFront(view, designs) {
+  // All best trade-offs as a line beside the map; the one at its cursor is marked in the map.
+  tellFront(view, found) {
     const { scene } = this;
-    const { against } = view.best;
-    const names = variablesOf(view);
-    const units = (name) => unitIn(scene, name);
+    const { output, best } = view;
+    const { against } = best;
+    const size = ({ values }) => Math.abs(values[against].value);
+    const designs = [...found].sort((one, other) => size(one) - size(other));
     const host = element("div", {});
-    const bent = isBent(designs, view.output, against);
+    const tell = (index) => {
+      const { values, regime, at } = designs[index];
+      const chosen = variablesOf(view).map((name) => `${words(name)} ${withUnit(at[name], unitIn(scene, name))}`);
+      return [...[output, against].map((name) => `${words(name)} ${withUnit(values[name].value, values[name].unit)}`), ...chosen, words(regime.name)];
+    };
     const look = (index) => {
-      if (this.front.at === index) return;
-      this.front.highlight(index);
-      this.marks = designs.map(({ at, regime }, i) => ({ x: at[view.x.name], y: view.y ? at[view.y.name] : null, text: i === index ? (designs[i].isKnee && bent ? "knee" : "chosen") : "", regime: regime.name, isSmall: i !== index }));
+      this.marks = designs.map(({ at, regime }, i) => ({ x: at[view.x.name], y: view.y ? at[view.y.name] : null, text: i === index ? "chosen" : "", regime: regime.name, isSmall: i !== index }));
       this.mark(this.marks, "best");
       fill(this.hosts.told, element("h3", {}, "What holds it back?"), element("p", {}, marginsTold(designs[index], scene).join(" ")));
     };
     this.hosts.front.hidden = false;
     fill(this.hosts.front, element("h3", {}, "The trade-off"), element("p", { class: "pale" }, `${designs.length} drives: no other drive is better in both outputs. A click or Enter shows one.`), host);
-    this.front = new Front(host, { onpoint: look, onpick: (index) => this.go(designs[index].at) });
-    this.front.show({ designs, output: view.output, against, scene, names, units, isBent: bent });
-    look(Math.max(0, designs.findIndex(({ isKnee }) => isKnee)));
+    const first = Math.max(0, designs.findIndex(({ isKnee }) => isKnee));
+    this.front = new Front(host, { designs, output, against, first, tell, onpoint: look, onpick: (index) => this.go(designs[index].at) });
+    look(first);
   }
 }
