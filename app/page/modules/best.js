@@ -1,7 +1,7 @@
 // The best of a view: made whole, as a study, and searched for.
 
-import { designsOf } from "./answer.js";
 import { FIGURES, NEEDS_OTHER, usualBest } from "./criterion.js";
+import { designsOf } from "./optima.js";
 import { carryOut } from "./service.js";
 import { givenNames, givenValues, shownParameters, typical } from "./view.js";
 import { capital, words } from "./words.js";
@@ -116,7 +116,7 @@ export function bestStudy(view, scene) {
     study.uncertain = { [name]: { lower: ends[0], upper: ends[1] } };
     study.robust = "worst";
     delete study.parameters[name];
-  } else if (best.kind !== "pareto") study.sensitivities = true;
+  }
   return study;
 }
 

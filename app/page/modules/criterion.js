@@ -6,10 +6,11 @@ export const CRITERIA = {
   weighted: "Output large, another output small (weighted)",
   limit: "Output large, another output below a limit",
   pareto: "All best trade-offs with another output",
+  reach: "As near as possible to a target",
 };
 export const NEEDS_OTHER = new Set(["weighted", "limit", "pareto"]);
 // The figure that a criterion asks for.
-export const FIGURES = { limit: "limit", weighted: "weight", pareto: "points" };
+export const FIGURES = { limit: "limit", weighted: "weight", pareto: "points", reach: "target" };
 const POINTS = 20; // of a trade-off: a point of motion takes a second
 
 export function usualBest() {
@@ -19,6 +20,7 @@ export function usualBest() {
     limit: 1,
     weight: 1,
     points: POINTS,
+    target: 0,
     limits: [], // of {output, lower, upper, absolute}; null where there is no bound
     vary: [], // of {name, from, to}: what may be chosen besides the axes
     given: {}, // values of what other outputs need besides those of the view

@@ -81,6 +81,7 @@ const OF_BEST = {
   limit: ["limit", number(0)],
   weight: ["weight", number(0)],
   points: ["points", number(2)],
+  target: ["target", number(-Infinity)],
   contact: ["isInContact", flag],
   robust: ["isRobust", flag],
   found: ["isFound", flag],

@@ -6,7 +6,7 @@ import { design, studyWith, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { button } from "./fields.js";
 import { Front } from "./curves.js";
-import { marginsTold, ratesTold, statusTold } from "./margin.js";
+import { marginsTold, statusTold } from "./optima.js";
 import { Derived, effect, untracked } from "./store.js";
 import { givenValues } from "./view.js";
 import { Wishes } from "./wishes.js";
@@ -30,7 +30,7 @@ const CHIPS = {
   },
   robust: {
     title: "Robust",
-    fits: (view) => Boolean(view.band) && view.best.kind === "maximise" && view.band.name in view.values,
+    fits: (view) => Boolean(view.band) && !["pareto", "reach"].includes(view.best.kind) && view.band.name in view.values,
     wish: (best) => ({ ...best, isRobust: true, limits: withoutLevel(best.limits) }),
   },
 };
@@ -41,6 +41,7 @@ function titleOf(chip, view) {
   if (chip !== "fastest") return CHIPS[chip].title;
   if (view.best.kind === "pareto") return "Trade-off";
   if (view.best.kind === "minimise") return "Smallest";
+  if (view.best.kind === "reach") return "Nearest";
   return SPEEDS.has(view.output) ? CHIPS[chip].title : "Largest";
 }
 
@@ -309,7 +310,6 @@ export class Optimum {
       ),
       element("h3", {}, "What holds it back?"),
       element("p", {}, `${statusTold(best.status)} ${held.join(" ")}`),
-      ratesTold(best),
       element(
         "div",
         { class: "buttons" },
