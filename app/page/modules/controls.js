@@ -41,7 +41,7 @@ export class Controls {
     if (!first.length && record.sliders.length) first = parameters.filter(({ name }) => name !== SELDOM).slice(0, 3);
     this.first = new Set(first.map(({ name }) => name));
     const isSearch = view.question === "drive";
-    const bounds = isSearch ? [view.x, view.y].filter(Boolean).map((axis) => this.bounds(axis)) : [];
+    const bounds = isSearch ? [view.x, view.y].filter(Boolean).map((axis) => this.bounds(axis, " may be")) : [];
     refill(byId("first"), ...bounds, ...first.map((one) => this.slider(one)));
     this.partMenu();
     // A place of a line without a device has no turn.
@@ -49,10 +49,11 @@ export class Controls {
     this.tellExpert(scenes, parameters.filter(({ name }) => !this.sliders.has(name) && !isEmpty(name)));
   }
 
-  bounds(axis) {
+  bounds(axis, more = "") {
     const place = axis === this.view.x ? "x" : "y";
     const parameter = this.parameters.find(({ name }) => name === axis.name);
-    return rangeField(axis, parameter, (from, to) => this.change({ [place]: { ...this.view[place], from, to } }));
+    const text = capital(words(axis.name)).replace(" of vibration", "") + more;
+    return rangeField(text, axis, parameter, (from, to) => this.change({ [place]: { ...this.view[place], from, to } }));
   }
 
   slider(parameter, ...more) {
@@ -214,15 +215,7 @@ export class Controls {
     const options = parameters.filter(({ name }) => name !== other?.name).map(({ name, unit }) => [name, label(name, unit)]);
     if (place === "y") options.push(["", "Nothing: lines"]);
     const field = this.select(text, options, axis?.name ?? "", (name) => this.changeAxis(place, name));
-    if (!axis) return field;
-    const parameter = parameters.find(({ name }) => name === axis.name);
-    const [, unit] = shown(parameter.unit);
-    const isOrdered = { from: (value) => value < axis.to, to: (value) => value > axis.from };
-    const end = (which) =>
-      numberInput(`${text} ${which}${unit ? ` in ${unit}` : ""}`, axis[which], parameter.unit, (value) => this.change({ [place]: { ...axis, [which]: value } }), {
-        check: (value) => (isOrdered[which](value) ? "" : "The lower end of the axis has to be below the upper end"),
-      });
-    field.append(element("div", { class: "ends" }, end("from"), "to", end("to"), unit));
+    if (axis && view.question !== "drive") field.append(this.bounds(axis));
     return field;
   }
 

@@ -9,7 +9,6 @@ import { usual } from "./view.js";
 import { capital, label, sentence, shown, words } from "./words.js";
 
 const MAX_LIMITS = 20;
-const MAX_POINTS = 200;
 
 export class Wishes {
   // `onchange(best)` hears of what is wished for otherwise.
@@ -88,13 +87,7 @@ export class Wishes {
     const unit = scene.outputs.find((one) => one.name === of)?.unit ?? "1";
     const told = { limit: "Limit of the magnitude", weight: "Weight", points: "Number of points of the trade-off", target: "Target" }[name];
     const [, unitShown] = shown(unit);
-    const check = (value) => {
-      if (name === "target") return "";
-      if (name !== "points") return value >= 0 ? "" : "The limit or weight of the second output has to be at least 0";
-      const isFit = Number.isInteger(value) && value >= 2 && value <= MAX_POINTS;
-      return isFit ? "" : `The number of points of the trade-off has to be a whole number from 2 to ${MAX_POINTS}`;
-    };
-    const figure = name && this.figure(null, best, name, unit, { id: "criterion-figure", check });
+    const figure = name && this.figure(null, best, name, unit, { id: "criterion-figure" });
     return this.group(
       "What is best",
       choiceField("criterion", capital(words(view.output)), Object.entries(CRITERIA), best.kind, (kind) => {
