@@ -1,15 +1,13 @@
 // The fields of a view: the sliders of its question, part and friction in one menu, all else under Expert.
 
 import { byId, element, fill, refill } from "./elements.js";
-import { choiceField, numberInput } from "./fields.js";
-import { grouped } from "./groups.js";
+import { choiceField, grouped, numberInput } from "./fields.js";
 import { liftOff } from "./answers.js";
 import { pictured } from "./opening.js";
 import { FIRST_PART, PARTS, partDrawn, partOf } from "./parts.js";
 import { QUESTIONS } from "./questions.js";
-import { SETS } from "./sets.js";
+import { SETS, STROKE, hasChoice, restated } from "./sets.js";
 import { rangeField, sliderField } from "./slider.js";
-import { STROKE, hasChoice, restated } from "./stroke.js";
 import { COMPANIONS, furtherParameters, shownParameters, typical, usual } from "./view.js";
 import { capital, label, number, sentence, shown, words } from "./words.js";
 

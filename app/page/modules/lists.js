@@ -1,8 +1,9 @@
-// Values of a design as lists: every output, and the devices of a line in their order.
+// Lists: every output of a design, the devices of a line in their order, the figures of the thesis, and the words of a
+// picture.
 
 import { element, fill } from "./elements.js";
-import { grouped } from "./groups.js";
-import { capital, withUnit, words } from "./words.js";
+import { grouped } from "./fields.js";
+import { capital, label, withUnit, words } from "./words.js";
 
 // All outputs that were computed of the design, in groups.
 export function tellValues(host, scene, dataset, isStale) {
@@ -61,5 +62,67 @@ export function tellDevices(host, view, scene, { onadd, onremove }) {
       ),
     ),
     choice || null,
+  );
+}
+
+// The figures of the thesis as views.
+export function viewOf(figure) {
+  const { study } = figure;
+  const view = {
+    question: "thesis",
+    figure: figure.name,
+    kind: study.kind,
+    scene: study.scene,
+    choice: study.variant ?? "",
+    output: study.outputs[0],
+    values: {},
+    x: null,
+    y: null,
+  };
+  const ranged = [];
+  for (const [name, value] of Object.entries(study.parameters)) {
+    if (typeof value === "number") view.values[name] = value;
+    else if (Array.isArray(value)) ranged.push({ name, from: value[0], to: value.at(-1) });
+    else ranged.push({ name, from: value.start, to: value.stop });
+  }
+  // Longest first, as its pictures have them; a third axis is held at its middle, as the design is.
+  const [x, y] = ranged;
+  view.x = x;
+  view.y = y ?? null;
+  for (const { name, from, to } of ranged) view.values[name] = (from + to) / 2;
+  return { ...view, begun: { ...view.values } };
+}
+
+// Its lines are broken where a page of text ends them.
+const unbroken = (notes) => notes.replace(/\n(?=[a-z(])/g, " ");
+
+// `onchange(figure)` hears of a figure, null of every output in place of one.
+export function tellFigures(host, figures, chosen, onchange) {
+  const choice = element(
+    "select",
+    { id: "choose-figure", onchange: () => onchange(figures.find(({ name }) => name === choice.value) ?? null) },
+    element("option", { value: "", selected: !chosen }, "No figure: every output of any system"),
+    ...figures.map(({ name, title }) => element("option", { value: name, selected: name === chosen }, title)),
+  );
+  const figure = figures.find(({ name }) => name === chosen);
+  fill(
+    host,
+    element("div", { class: "field" }, element("label", { for: "choose-figure" }, "Figure of the thesis"), choice),
+    figure ? element("p", { class: "notes" }, unbroken(figure.notes)) : null,
+  );
+}
+
+// What the words of a picture mean: its equation, and each parameter that it depends on.
+export function tellMeaning(host, { output, values, x, y }, scene) {
+  const shown = scene.outputs.find(({ name }) => name === output);
+  const names = new Set([x?.name, y?.name, ...Object.keys(values)]);
+  const line = ({ name, symbol, unit, description }) => [
+    element("dt", {}, label(name, unit), symbol ? ` ${symbol}` : null),
+    element("dd", {}, description),
+  ];
+  fill(
+    host,
+    element("p", {}, capital(shown.equation || shown.description), " ", element("small", {}, shown.source ?? "")),
+    element("dl", {}, ...[shown, ...scene.parameters.filter(({ name }) => names.has(name))].flatMap(line)),
   );
 }

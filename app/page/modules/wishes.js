@@ -3,8 +3,7 @@
 import { furtherOf } from "./best.js";
 import { CRITERIA, FIGURES, NEEDS_OTHER } from "./criterion.js";
 import { element, fill } from "./elements.js";
-import { button, choiceField, numberInput, tick } from "./fields.js";
-import { grouped } from "./groups.js";
+import { button, choiceField, grouped, numberInput, tick } from "./fields.js";
 import { usual } from "./view.js";
 import { capital, label, sentence, shown, words } from "./words.js";
 

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { fieldText, readNumber } from "../../../app/page/modules/numbers.js";
+import { fieldText, readNumber } from "../../../app/page/modules/fields.js";
 
 const NUMBERS = [
   ["0.3", "1", 0.3],
