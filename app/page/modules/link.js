@@ -143,14 +143,14 @@ export function fromLink(hash) {
 
 // What is drawn of a view, as text: two views with the same have the same picture.
 /** @param {any} view */
-export function pictureOf({ kind, scene, choice, set, recording, output, x, y, values, band, question }) {
+export function pictureOf({ kind, scene, choice, set, recording, output, x, y, values, band }) {
   const fixed = Object.entries(values).filter(([name]) => name !== x.name && name !== y?.name);
-  const told = toLink({ question: "", kind, scene, choice, set, output, x, y, values: Object.fromEntries(fixed), band: question === "uncertain" ? band : null });
+  const told = toLink({ question: "", kind, scene, choice, set, output, x, y, values: Object.fromEntries(fixed), band });
   return recording ? `${told}&recording=${recording.name}:${recording.drive.data.length}` : told;
 }
 
 // What a design does, as text: two views with the same have the same answer.
 export function designOf({ kind, scene, choice, set, recording, surface, output, values, band }) {
   if (surface) return `file ${surface.place}`;
-  return pictureOf({ kind, scene, choice, set, recording, output, x: { name: "" }, y: null, values, band, question: "uncertain" });
+  return pictureOf({ kind, scene, choice, set, recording, output, x: { name: "" }, y: null, values, band });
 }

@@ -50,9 +50,8 @@ class Page {
     this.isStepped = false; // a step of this page can be undone by going back
     this.asked = null; // a question that was chosen before
     this.opening = null; // what is being opened
-    this.drawn = null; // the values that are drawn, what they are of, and what is drawn with them
+    this.drawn = null; // the values that are drawn, and what they are of
     this.drawnIn = "";
-    this.extra = null;
     /** @type {Curves | null} */
     this.curve = null;
     this.derive();
@@ -75,9 +74,15 @@ class Page {
     const hasSine = (view) => view.question === "waves" && view.set === "ellipse" && view.output === "conveying_velocity" && store.held.value === null;
     this.sine = derived((view) => (hasSine(view) ? designOf({ ...view, band: null }) : null), sineOf);
     const isCoarse = (view) => store.held.value !== null && view.kind === "simulate";
-    this.map = derived((view) => pictureOf({ ...view, band: null }) + (isCoarse(view) ? COARSE : ""), (view, scene, how) => source.map(view, scene, how));
-    const isDrawn = (view) => this.map.state.value.status === "ready" && this.map.state.value.of === pictureOf({ ...view, band: null });
-    this.bandLine = derived((view) => (store.held.value === null && isBanded(view) && !view.y && isDrawn(view) ? pictureOf({ ...view, question: "uncertain" }) : null), bandOver);
+    this.map = derived(
+      (view) => pictureOf({ ...view, band: view.y || !isBanded(view) ? null : view.band }) + (isCoarse(view) ? COARSE : ""),
+      async (view, scene, how) => {
+        const found = await source.map(view, scene, how);
+        if (view.y || how.held || !isBanded(view) || found.asking) return found;
+        how.show(found);
+        return { ...found, ...(await bandOver(view, scene, how)) };
+      },
+    );
     this.matters = derived((view, scene) => (store.held.value === null && mattersStudy(view, scene) ? JSON.stringify(mattersStudy(view, scene)) : null), mattersOf);
     this.measured = new Measured(byId("measured"), (runs) => this.setView({ runs }));
     this.fit = derived(
@@ -247,7 +252,6 @@ class Page {
   renderMap(view) {
     const state = this.map.state.value;
     const waiting = this.notice.away.value;
-    const band = this.bandLine.state.value;
     const answer = this.answer.state.value;
     untracked(() => {
       const isHeld = this.store.held.peek() !== null;
@@ -255,14 +259,9 @@ class Page {
       if (state.value && unit) state.value.z.unit = unit; // shares are told in per cent
       if (state.value && (this.drawn !== state.value || this.drawnIn !== this.kindOf(view) + isHeld)) {
         this.picture.show(state.value, view, { isMoving: isHeld, isRough: state.isPartial || (state.status === "asking" && Boolean(state.value)) });
-        [this.drawn, this.drawnIn, this.extra] = [state.value, this.kindOf(view) + isHeld, null];
+        [this.drawn, this.drawnIn] = [state.value, this.kindOf(view) + isHeld];
       }
-      const isOf = state.status === "ready" && !isHeld;
-      if (isOf && band.status === "ready" && this.extra !== band.value) {
-        this.extra = band.value;
-        this.picture.showBand(state.value, band.value);
-      }
-      this.tellMap(state, waiting, band.status === "computing");
+      this.tellMap(state, waiting);
       this.ring(answer.status === "ready" && !answer.isLate ? answer.value : null);
     });
   }
@@ -271,9 +270,9 @@ class Page {
     return [view.scene, view.kind, view.choice, view.output, view.x.name, view.y?.name].join();
   }
 
-  tellMap(state, waiting, isMore) {
+  tellMap(state, waiting) {
     const host = byId("picture");
-    host.setAttribute("aria-busy", String(state.status === "computing" || isMore || this.opening !== null));
+    host.setAttribute("aria-busy", String(state.status === "computing" || this.opening !== null));
     const again = { text: "Compute", onclick: () => this.map.again() };
     const agree = { text: "Compute it", onclick: () => this.map.again({ isAgreed: true }) };
     const cancel = { text: "Cancel", onclick: () => this.map.cancel("Cancelled.") };

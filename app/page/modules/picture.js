@@ -4,7 +4,6 @@ import { Curves } from "./curves.js";
 import { byId, element, fill } from "./elements.js";
 import { legendOf, lookOf, occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
-import { pictureOf } from "./link.js";
 import { capital, number, withUnit, words } from "./words.js";
 
 export class Picture {
@@ -28,7 +27,6 @@ export class Picture {
 
   // `isMoving` while a slider is dragged: the next picture will soon be there. `isRough` are the first values.
   show(found, view, { isMoving = false, isRough = false } = {}) {
-    byId("host").dataset.view = pictureOf(view);
     const kind = found.y ? "map" : "curves";
     if (this.kind !== kind) {
       const options = { ...this.options, title: words(view.output) };
@@ -52,11 +50,6 @@ export class Picture {
     this.offered = offered;
     const button = action && element("button", { type: "button", onclick: () => this.onclick() }, action.text);
     fill(byId("stale"), reason ? this.reason : null, reason ? button : null);
-  }
-
-  // The same with the band of its line, {low, high}, or null.
-  showBand(found, band) {
-    this.drawing.show({ ...found, ...band, look: this.look });
   }
 
   // Points to be marked, of {x, y, text}, by whoever sets them.
