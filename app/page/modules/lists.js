@@ -19,49 +19,37 @@ export function tellValues(host, scene, dataset, isStale) {
   );
 }
 
-const DEVICES = {
-  wiper_height: ["Wiper", "parts that are higher fall back"],
-  ledge_width: ["Narrow ledge", "parts that reach too far beyond it fall back"],
-  gap_length: ["Gap", "parts that it does not carry fall back"],
-  passed_aspect: ["Cut-out", "one way to lie passes"],
-  outlet_capacity: ["Outlet", "takes so many parts a minute"],
-  turned_share: ["Step", "turns parts over"],
-};
-const PLACES = 6;
+const DEVICE = /^(?!turn_|drop_count_).*_(\d)$/; // what gives a device of a line, with its place
 
 // The devices of a line as they are passed, each with its own value.
 export function tellDevices(host, view, scene, { onadd, onremove }) {
-  const parameter = (name) => scene.parameters.find((one) => one.name === name);
-  const present = [];
-  for (let place = 1; place <= PLACES; place++) {
-    for (const [stem, [title, does]] of Object.entries(DEVICES)) {
-      const name = `${stem}_${place}`;
-      if (name in view.values) present.push({ name, place, title, does });
-    }
-  }
-  const free = Array.from({ length: PLACES }, (_, k) => k + 1).find((place) => !present.some((one) => one.place === place));
-  const choice = free && element(
+  const all = scene.parameters.filter(({ name }) => DEVICE.test(name)).map((one) => ({ ...one, place: Number(one.name.match(DEVICE)[1]) }));
+  const present = all.filter(({ name }) => name in view.values).sort((one, other) => one.place - other.place);
+  const free = all.filter(({ place }) => !present.some((one) => one.place === place));
+  const next = free.filter(({ place }) => place === Math.min(...free.map((one) => one.place)));
+  const title = ({ name }) => capital(words(name)).replace(/, place \d$/, "");
+  const choice = element(
     "select",
-    { id: "add-device", "aria-label": "Add a device", onchange: () => choice.value && onadd(`${choice.value}_${free}`) },
+    { id: "add-device", "aria-label": "Add a device", onchange: () => choice.value && onadd(choice.value) },
     element("option", { value: "" }, "Add a device ..."),
-    ...Object.entries(DEVICES).filter(([stem]) => parameter(`${stem}_${free}`)).map(([stem, [title, does]]) => element("option", { value: stem }, `${title}: ${does}`)),
+    ...next.map((one) => element("option", { value: one.name }, title(one))),
   );
   fill(
     host,
     element(
       "ol",
       { class: "devices" },
-      ...present.map(({ name, title, does }) =>
+      ...present.map((one) =>
         element(
           "li",
           {},
-          element("b", {}, `${title}, ${withUnit(view.values[name], parameter(name).unit, 3)}`),
-          element("span", { class: "pale" }, ` ${does}`),
-          element("button", { type: "button", class: "remove", "aria-label": `Remove the device ${words(name)}`, onclick: () => onremove(name) }, "×"),
+          element("b", {}, `${title(one)}, ${withUnit(view.values[one.name], one.unit, 3)}`),
+          element("span", { class: "pale" }, ` ${one.description}`),
+          element("button", { type: "button", class: "remove", "aria-label": `Remove the device ${words(one.name)}`, onclick: () => onremove(one.name) }, "×"),
         ),
       ),
     ),
-    choice || null,
+    next.length ? choice : null,
   );
 }
 
