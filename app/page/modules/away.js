@@ -30,8 +30,6 @@ export class Away {
     menu.addEventListener("beforetoggle", () => {
       for (const one of menu.children) one.hidden = one.dataset.of === "best" && !hasBest();
     });
-    menu.addEventListener("toggle", ({ newState }) => newState === "open" && menu.firstElementChild.focus());
-    menu.addEventListener("keydown", (event) => this.press(event));
     // Each entry names what is taken, in which form, and whether of what is shown or of the best.
     menu.addEventListener("click", ({ target }) => {
       const { take, form, of = "values" } = target.dataset;
@@ -43,15 +41,6 @@ export class Away {
 
   print() {
     window.print();
-  }
-
-  press(event) {
-    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-    if (!step) return;
-    const items = [...byId("away-menu").children].filter(({ hidden }) => !hidden);
-    const at = items.indexOf(document.activeElement);
-    items[(at + step + items.length) % items.length].focus();
-    event.preventDefault();
   }
 
   say(told, content = null) {
