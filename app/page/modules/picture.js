@@ -3,6 +3,7 @@
 import { Curves } from "./curves.js";
 import { byId, element, fill } from "./elements.js";
 import { legendOf, lookOf, occurring } from "./legend.js";
+import { pictureOf } from "./link.js";
 import { HeatMap } from "./map.js";
 import { capital, number, withUnit, words } from "./words.js";
 
@@ -27,6 +28,7 @@ export class Picture {
 
   // `isMoving` while a slider is dragged: the next picture will soon be there. `isRough` are the first values.
   show(found, view, { isMoving = false, isRough = false } = {}) {
+    byId("host").dataset.view = pictureOf(view);
     const kind = found.y ? "map" : "curves";
     if (this.kind !== kind) {
       const options = { ...this.options, title: words(view.output) };
