@@ -50,7 +50,7 @@
       const slider = picked(all("#controls input[type=range], #expert input[type=range]"), share);
       for (const place of places) {
         if (!slider?.isConnected) return;
-        slider.value = String(Math.round(place * Number(slider.max)));
+        slider.value = String(Number(slider.min) + place * (slider.max - slider.min));
         heard(slider, "input");
         await frame();
       }
