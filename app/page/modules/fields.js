@@ -34,7 +34,6 @@ export function numberInput(text, value, unit, set, { isOptional = false, check 
     "aria-label": text,
     value: fieldText(value, unit),
     onchange: () => take(),
-    onkeydown: (event) => step(event),
     ...more,
   });
   // Another value, as if it had been typed.
@@ -58,15 +57,6 @@ export function numberInput(text, value, unit, set, { isOptional = false, check 
     said.textContent = `${problem}${kept}.`;
     made.setAttribute("aria-invalid", "true");
     (made.closest(".slot") ?? made).after(said);
-  }
-  // The arrow keys change the last digit.
-  function step(event) {
-    const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
-    if (!sign || readNumber(made.value, unit).problem) return;
-    const decimals = made.value.match(/^-?\d+[.,](\d+)$/)?.[1].length ?? 0;
-    made.value = (Number(made.value.replace(",", ".")) + sign * 10 ** -decimals).toFixed(decimals);
-    event.preventDefault();
-    take();
   }
   return made;
 }

@@ -4,7 +4,7 @@ import { element, fill } from "./elements.js";
 import { choiceField } from "./fields.js";
 import { SETS } from "./sets.js";
 
-const CHOICES = ["ellipse", "harmonics", "steps", "recorded"];
+const CHOICES = ["ellipse", "harmonics", "steps"];
 const MAX_BYTES = 2_000_000;
 
 export class Waves {
@@ -17,26 +17,18 @@ export class Waves {
 
   show(view) {
     const file = element("input", { type: "file", id: "recording", accept: ".csv,.txt,text/csv", onchange: () => this.read(file.files[0]) });
+    const names = view.recording ? [...CHOICES, "recorded"] : CHOICES;
+    this.said.textContent = view.recording?.name ?? "";
     fill(
       this.host,
       element(
         "div",
         { class: "runs" },
-        choiceField("wave", "Shape of the drive", CHOICES.map((name) => [name, SETS[name].title]), view.set, (set) => this.choose(set)),
-        view.set === "recorded" || this.isWaiting
-          ? element("span", {}, element("label", { for: "recording" }, "CSV file of the recording: time [s], then accelerations [g] or [m/s^2]"), file)
-          : null,
+        choiceField("wave", "Shape of the drive", names.map((name) => [name, SETS[name].title]), view.set, (set) => this.onchange({ set, x: undefined, y: undefined })),
+        element("span", {}, element("label", { for: "recording" }, "or the CSV file of a recording: time [s], then accelerations [g] or [m/s^2]"), file),
         this.said,
       ),
     );
-    if (view.recording && view.set === "recorded") this.said.textContent = view.recording.name;
-  }
-
-  choose(set) {
-    this.isWaiting = set === "recorded";
-    this.said.textContent = this.isWaiting ? "Choose the CSV file of the recording." : "";
-    if (this.isWaiting) this.show({ set });
-    else this.onchange({ set, x: undefined, y: undefined });
   }
 
   // The columns by their names: those that end in x or say along, and in z or say normal.
@@ -57,7 +49,6 @@ export class Waves {
       return;
     }
     const recording = { name: file.name, drive: { data, ...(along ? { along } : {}), ...(normal ? { normal } : {}) } };
-    this.isWaiting = false;
     this.said.textContent = `${file.name} is being fitted ...`;
     this.onchange({ set: "recorded", recording, x: undefined, y: undefined });
   }
