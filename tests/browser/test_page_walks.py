@@ -93,7 +93,6 @@ def test_friction_is_chosen_from_published_values_with_its_range(page: Page, add
 def test_a_row_moves_in_its_lane_and_tells_which_parts_touch(page: Page, address: str) -> None:
     opened(page, f"{address}/#question=rows")
     expect(page.locator("#moment")).to_have_text("Parts 1 to 4 touch.")
-    assert page.locator("#detail .touching").count() > 3  # they meet again
     now = page.locator("#now")
     now.press("End")
     expect(page.locator("#moment")).not_to_contain_text("1 to 4")
