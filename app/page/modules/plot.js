@@ -1,7 +1,7 @@
 // A picture with two axes: its box, a cursor by pointer and keys, and a sentence on what the cursor meets.
 
 import { FRAME } from "./axes.js";
-import { drawn, element, fill } from "./elements.js";
+import { arrowOf, drawn, element, fill } from "./elements.js";
 import { barDrawn } from "./legend.js";
 import { capital, number, words } from "./words.js";
 
@@ -94,17 +94,16 @@ export class Plot {
   }
 
   press(event) {
-    const step = event.shiftKey ? 10 : 1;
-    const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-    if (event.key !== "Enter" && !moves[event.key]) return;
+    const steps = arrowOf(event);
+    if (event.key !== "Enter" && !steps) return;
     event.preventDefault();
     const { x, y } = this.data;
     const at = (axis, place) => axis && axis.values[Math.max(0, Math.min(axis.values.length - 1, place))];
     const half = (axis) => axis && axis.values[Math.round((axis.values.length - 1) / 2)];
     this.cursor ??= { x: half(x), y: half(y) };
-    if (event.key === "Enter") return this.onpick(this.cursor);
+    if (!steps) return this.onpick(this.cursor);
     const { i, j } = this.cell();
-    this.move({ x: at(x, i + step * moves[event.key][0]), y: at(y, j + step * moves[event.key][1]) });
+    this.move({ x: at(x, i + steps[0]), y: at(y, j + steps[1]) });
   }
 
   // Show the cursor, and say what is there; null for none.

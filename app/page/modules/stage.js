@@ -2,7 +2,7 @@
 // handles that are dragged, or moved by keys.
 
 import { MODES, PARTS as INKS, between, cycleOf, platoonsAt, stretches } from "./course.js";
-import { drawn, fill } from "./elements.js";
+import { arrowOf, drawn, fill } from "./elements.js";
 import { partDrawn, partOf } from "./parts.js";
 import { endsOf } from "./slider.js";
 import { number, withUnit } from "./words.js";
@@ -31,8 +31,8 @@ export class Stage {
     fill(host, this.svg);
     this.scenery = drawn("g");
     new ResizeObserver(() => requestAnimationFrame(() => this.redraw())).observe(host);
-    this.vibration = this.handle("Line of vibration: left and right change the amplitude, up and down the angle", (event) => this.dragLine(event), (key, times) => this.keyLine(key, times));
-    this.slope = this.handle("Climb of the track", (event) => this.dragSlope(event), (key, times) => this.keySlope(key, times));
+    this.vibration = this.handle("Line of vibration: left and right change the amplitude, up and down the angle", (event) => this.dragLine(event), (across, up) => this.keyLine(across, up));
+    this.slope = this.handle("Climb of the track", (event) => this.dragSlope(event), (across, up) => this.turn((this.shown.view.values.gamma ?? 0) + 0.5 * (across + up), true));
     // Drawn once: what is dragged stays where it is among the elements.
     this.tilted = drawn("g", {}, this.vibration);
     fill(this.svg, this.scenery, this.tilted, this.slope);
@@ -63,8 +63,11 @@ export class Stage {
     };
     for (const name of ["pointerup", "pointercancel"]) made.addEventListener(name, () => leave({}));
     made.addEventListener("keydown", (event) => {
+      const steps = arrowOf(event);
       if (event.key === "Escape" && this.dragged) leave(this.dragged);
-      else if (press(event.key, event.shiftKey ? 10 : 1)) event.preventDefault();
+      if (!steps) return;
+      event.preventDefault();
+      press(...steps);
     });
     return made;
   }
@@ -363,27 +366,18 @@ export class Stage {
     this.moveLine(Math.hypot(x, y), Math.atan2(y, x) / RADIANS, { isOver: false });
   }
 
-  keyLine(key, times) {
-    const step = { ArrowRight: [1e-5, 0], ArrowLeft: [-1e-5, 0], ArrowUp: [0, 0.5], ArrowDown: [0, -0.5] }[key];
-    if (!step) return false;
-    if (this.amplitude() === null) {
-      const { amplitude_along_1: along, amplitude_normal_1: normal } = this.shown.view.values;
-      this.moveEllipse(along + step[0] * times, normal + 1e-5 * step[1] * times, { isOver: true });
-      return true;
-    }
-    this.moveLine(this.amplitude() + step[0] * times, this.shown.view.values.beta + step[1] * times, { isOver: true });
-    return true;
+  keyLine(across, up) {
+    const { amplitude_along_1: along, amplitude_normal_1: normal, beta } = this.shown.view.values;
+    if (this.amplitude() === null) this.moveEllipse(along + 1e-5 * across, normal + 5e-6 * up, { isOver: true });
+    else this.moveLine(this.amplitude() + 1e-5 * across, beta + 0.5 * up, { isOver: true });
   }
 
   dragSlope(event) {
     const [x, y] = this.pointed(event);
-    this.onmove({ gamma: this.limited("gamma", Math.atan2(y, x) / RADIANS) }, { isOver: false });
+    this.turn(Math.atan2(y, x) / RADIANS, false);
   }
 
-  keySlope(key, times) {
-    const step = { ArrowUp: 0.5, ArrowRight: 0.5, ArrowDown: -0.5, ArrowLeft: -0.5 }[key];
-    if (!step) return false;
-    this.onmove({ gamma: this.limited("gamma", (this.shown.view.values.gamma ?? 0) + step * times) }, { isOver: true });
-    return true;
+  turn(gamma, isOver) {
+    this.onmove({ gamma: this.limited("gamma", gamma) }, { isOver });
   }
 }
