@@ -245,6 +245,8 @@ export class Stage {
     this.vibration.setAttribute("aria-valuetext", told);
     this.ball = drawn("circle", { cx: pivot, cy: floor, r: 4.5, class: "ball" });
     const isNarrow = this.size.width < 430;
+    // The angle stands beside its arc where neither line nor handle is in its way, else beyond the handle.
+    const isFree = beta < 0 || ((radius + 8) * Math.tan(beta * RADIANS) > 14 && (long * -dy > 29 || radius + 38 < long * dx - 12));
     const away = `M${pivot} ${floor}L${pivot - long * dx} ${floor - long * dy}`;
     return [
       drawn("path", { d: away, class: "vibration dashed" }),
@@ -253,7 +255,7 @@ export class Stage {
       drawn("path", { d: `M${pivot + radius} ${floor}A${radius} ${radius} 0 0 ${beta < 0 ? 1 : 0} ${pivot + radius * dx} ${floor + radius * dy}`, class: "vibration thin plain" }),
       this.ball,
       drawn("text", { x: isNarrow ? Math.max(96, tip[0] + 6) : tip[0] - 10, y: tip[1] - (this.dragged ? 40 : 20), "text-anchor": isNarrow ? "end" : "middle", class: "blue label" }, isNarrow || this.dragged ? told : withUnit(amplitude, "m", 3)),
-      ...(isNarrow || this.dragged ? [] : [drawn("text", { x: pivot + radius + 8, y: floor - 7, class: "blue label" }, `${number(beta, 3)}°`)]),
+      ...(isNarrow || this.dragged ? [] : [drawn("text", { x: isFree ? pivot + radius + 8 : tip[0] + 34 * dx + 6, y: floor - 7, class: "blue label" }, `${number(beta, 3)}°`)]),
     ];
   }
 
