@@ -26,7 +26,6 @@ export function isPassing(error) {
 export const key = {
   get: () => sessionStorage.getItem(KEY) ?? "",
   set: (text) => sessionStorage.setItem(KEY, text),
-  forget: () => sessionStorage.removeItem(KEY),
 };
 
 // The page lies at the root of the service, or under the path where a proxy shows it.
