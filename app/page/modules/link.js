@@ -75,6 +75,7 @@ const PARTS = {
   runs,
 };
 // Those of the best, with the name of each in it.
+/** @type {Record<string, [string, any]>} */
 const OF_BEST = {
   best: ["kind", known(CRITERIA)],
   against: ["against", word],
@@ -86,6 +87,7 @@ const OF_BEST = {
   robust: ["isRobust", flag],
   found: ["isFound", flag],
 };
+/** @type {Record<string, [string, any]>} */
 const ROWS = { keep: ["limits", limit], vary: ["vary", axis] };
 
 /** @param {import("./view.js").View} view */
