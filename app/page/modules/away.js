@@ -43,6 +43,10 @@ export class Away {
     window.print();
   }
 
+  keep() {
+    byId("keep").click();
+  }
+
   say(told, content = null) {
     const [said, text] = byId("away-said").children;
     byId("away-said").showPopover();

@@ -74,17 +74,17 @@ export class Curves extends Plot {
     this.redraw();
   }
 
-  // Marks are {x, text, isSmall, isLow}.
+  // Marks are {x, text}; a text stands to the left of its line where there is no room, or another line, on the right.
   drawMarks() {
     const { width, height } = this.size;
     const bottom = height - FRAME.bottom;
     const points = (this.measured ?? []).map(([x, y]) => drawn("circle", { cx: this.x.place(x), cy: this.y.place(y), r: 4, class: "measured" }));
-    const lines = Object.values(this.marks).flat().flatMap(({ x, text, isSmall, isLow }) => {
-      const at = this.x.place(x);
-      const isRight = at > 0.75 * width;
+    const marks = Object.values(this.marks).flat().map(({ x, text }) => ({ at: this.x.place(x), text }));
+    const lines = marks.flatMap(({ at, text }) => {
+      const isLeft = at > 0.75 * width || marks.some((other) => other.at > at && other.at < at + 80);
       return [
-        drawn("line", { x1: at, x2: at, y1: isSmall ? bottom - 3 * STRIP : FRAME.top, y2: bottom, class: "marked" }),
-        drawn("text", { x: at + (isRight ? -6 : 6), y: FRAME.top + (isLow ? 30 : 12), "text-anchor": isRight ? "end" : "start", class: "label haloed" }, text ?? ""),
+        drawn("line", { x1: at, x2: at, y1: FRAME.top, y2: bottom, class: "marked" }),
+        drawn("text", { x: at + (isLeft ? -6 : 6), y: FRAME.top + 12, "text-anchor": isLeft ? "end" : "start", class: "label haloed" }, text ?? ""),
       ];
     });
     fill(this.drawnMarks, ...points, ...lines);
@@ -109,7 +109,7 @@ export class Front extends Curves {
     const at = (i) => designs[i].values[output].value;
     this.cursor = { x: sizes[first] };
     this.points(sizes.map((size, i) => [size, at(i)]));
-    this.show({ x: { name: against, unit, values: sizes, title: `Size of ${label(against, unit)}` }, z: { name: output, unit: designs[0].values[output].unit, at }, regime: null });
+    this.show({ x: { name: against, unit, values: sizes, title: `Size of the ${label(against, unit).replace(/^./, (one) => one.toLowerCase())}` }, z: { name: output, unit: designs[0].values[output].unit, at }, regime: null });
   }
 
   told(i) {

@@ -381,7 +381,7 @@ class Page {
         this.curve.show({ ...state.value, regime: null });
       }
       const natural = answer.value ? valueOf(answer.value.dataset, "natural_frequency") : null;
-      this.curve.mark([{ x: view.values.frequency, text: "the drive" }, ...(Number.isFinite(natural) ? [{ x: natural, text: "the springs", isLow: true }] : [])], "drive");
+      this.curve.mark([{ x: view.values.frequency, text: "the drive" }, ...(Number.isFinite(natural) ? [{ x: natural, text: "the springs" }] : [])], "drive");
     });
   }
 

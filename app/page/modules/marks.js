@@ -28,7 +28,7 @@ export function markDrawn({ x, y, text, regime, isSmall, isDragged, isEnd, to },
     drawn("circle", { cx, cy, r: isDragged ? 10 : 6, class: "halo" }),
     drawn("circle", { cx, cy, r: isDragged ? 10 : 6, class: "ring" }),
     ...(isDragged ? [drawn("circle", { cx, cy, r: 1.5, class: "point" })] : []),
-    drawn("text", { x: isEnd ? cx : cx + (isRight ? -16 : 16), y: isEnd ? cy - 16 : cy + (isHigh ? 18 : 5), "text-anchor": isEnd ? "middle" : isRight ? "end" : "start", class: "haloed label" }, text),
+    drawn("text", { x: isEnd ? cx + (isRight ? 10 : 0) : cx + (isRight ? -16 : 16), y: isEnd ? cy - 16 : cy + (isHigh ? 18 : 5), "text-anchor": isRight ? "end" : isEnd ? "middle" : "start", class: "haloed label" }, text),
   );
 }
 
@@ -45,7 +45,8 @@ export function namesDrawn({ data, x, y }, regimes) {
   return group;
 }
 
-// The middle of the longest run of a regime along a row, of rows that are no nearer to the frame: {i, j, wide}.
+// The middle of the longest run of a regime along a row, of rows that are no nearer to the frame: {i, j, wide}; up or down
+// it stands in the middle, where it is as wide there.
 function longestRun({ x, y, regime }, value) {
   let best = { i: 0, j: 0, wide: 0, rank: -Infinity };
   const [nx, ny] = [x.values.length, y.values.length];
@@ -57,7 +58,12 @@ function longestRun({ x, y, regime }, value) {
       if (run && run - aside > best.rank) best = { i: i - Math.floor(run / 2), j, wide: run, rank: run - aside };
     }
   }
-  return best;
+  let [low, high] = [best.j, best.j];
+  while (low > 0 && regime.at(best.i, low - 1) === value) low -= 1;
+  while (high < ny - 1 && regime.at(best.i, high + 1) === value) high += 1;
+  const [middle, half] = [Math.round((low + high) / 2), Math.floor(best.wide / 4)];
+  const isWide = [-half, half].every((aside) => regime.at(best.i + aside, middle) === value);
+  return { ...best, j: isWide ? middle : best.j };
 }
 
 // A name that a ring, of [x, y], would stand on gives way to it, up or down.

@@ -289,6 +289,9 @@ export class Optimum {
     const marks = [];
     if (before && view.x.name in before) marks.push({ ...mark({ ...view.values, ...before }, `before ${told(valueBefore, unitOf(view.output))}`), isEnd: true, to: best.at });
     if (!isAt) marks.push(mark(best.at, `best ${told(best.values[view.output].value, unitOf(view.output))}`));
+    const still = this.states.still.state.value;
+    const [quiet] = still.status === "ready" && chipOf(view.best) !== "still" ? still.value : [];
+    if (quiet?.isThere) marks.push({ ...mark({ ...view.values, ...quiet.at }, `no hop ${told(quiet.values[view.output].value, unitOf(view.output))}`), isEnd: true });
     this.mark(marks, "best");
     const names = [...new Set([...Object.keys(best.at), ...["frequency"].filter((name) => name in view.values)])];
     const [outputs, values] = [TOLD.filter((name) => name in best.values || name === view.output), { ...view.values, ...best.at }];

@@ -64,10 +64,10 @@ export class Panels {
     const [low, high] = [Math.min(...all), Math.max(...all)];
     const largest = Math.max(Math.abs(low), Math.abs(high));
     const [factor, unitShown] = unit === "m" && largest < SMALL ? [1e6, "µm"] : shown(unit);
-    const size = factor * largest;
+    const step = 10 ** (Math.floor(Math.log10(factor * largest || 1)) - 2); // what is smaller is not told
     const tall = this.tall * PANEL - (PANEL - CURVE);
     const up = (value) => top + tall - ((value - low) / (high - low || 1)) * tall;
-    const end = (value) => drawn("text", { x: LEFT - 8, y: up(value) + 4, "text-anchor": "end" }, number(value * factor, 2, size));
+    const end = (value) => drawn("text", { x: LEFT - 8, y: up(value) + 4, "text-anchor": "end" }, number(Math.round((value * factor) / step) * step, 2));
     const zero = low < 0 && high > 0 ? [drawn("line", { x1: LEFT, x2: this.width - RIGHT, y1: up(0), y2: up(0), class: "level" })] : [];
     return [
       drawn("text", { x: LEFT + 6, y: top - 6, class: "pale" }, `${capital(name)}, ${unitShown}`),

@@ -148,9 +148,9 @@ export class Stage {
     const parts = [turning, ...this.climb(tilt, slope)];
     const enlarged = this.enlarged > 1 ? `movement ${this.enlarged} times enlarged` : "movement to scale";
     const isNarrow = width < 430;
-    parts.push(drawn("text", { x: isNarrow ? 12 : width - 16, y: this.size.height - 6, "text-anchor": isNarrow ? "start" : "end", class: "pale" }, course ? (isNarrow ? enlarged : `Part to scale, its ${enlarged}`) : "Part to scale, at rest"));
+    parts.push(drawn("text", { x: isNarrow ? 12 : width - 16, y: this.size.height - 6, "text-anchor": isNarrow ? "start" : "end", class: "pale haloed" }, course ? (isNarrow ? enlarged : `Part to scale, its ${enlarged}`) : "Part to scale, at rest"));
     if (!isNarrow && !this.vibration.hasAttribute("hidden")) {
-      parts.push(drawn("text", { x: 16, y: this.size.height - 6, class: "pale" }, "Drag a blue handle, or turn a slider."));
+      parts.push(drawn("text", { x: 16, y: this.size.height - 6, class: "pale haloed" }, "Drag a blue handle, or turn a slider."));
     }
     fill(this.scenery, ...parts);
     this.moment(this.time, this.turns);
@@ -185,7 +185,7 @@ export class Stage {
     const travel = (along.at(-1) - start) * this.moved;
     if (Math.abs(travel) > 3) {
       beneath.push(partDrawn(this.part, this.wide, this.tall, { class: "part later", transform: `translate(${this.across + travel} ${this.floor})` }));
-      const top = this.floor - this.tall - 0.11 * this.size.height;
+      const top = Math.min(this.floor - this.tall - 0.11 * this.size.height, this.at(0, Math.max(...height))[1] - 34);
       const [from, to] = [this.across, this.across + travel].sort((a, b) => a - b);
       made.push(
         drawn("path", { d: `M${from} ${top - 5}V${this.floor - this.tall}M${to} ${top - 5}V${this.floor - this.tall}`, class: "dotted" }),
@@ -245,8 +245,9 @@ export class Stage {
     this.vibration.setAttribute("aria-valuetext", told);
     this.ball = drawn("circle", { cx: pivot, cy: floor, r: 4.5, class: "ball" });
     const isNarrow = this.size.width < 430;
-    // The angle stands beside its arc where neither line nor handle is in its way, else beyond the handle.
+    // The angle stands beside its arc where neither line nor handle is in its way, else with the amplitude.
     const isFree = beta < 0 || ((radius + 8) * Math.tan(beta * RADIANS) > 14 && (long * -dy > 29 || radius + 38 < long * dx - 12));
+    const isOne = isNarrow || this.dragged || !isFree;
     const away = `M${pivot} ${floor}L${pivot - long * dx} ${floor - long * dy}`;
     return [
       drawn("path", { d: away, class: "vibration dashed" }),
@@ -254,8 +255,8 @@ export class Stage {
       drawn("path", { d: `M${pivot} ${floor}L${tip[0]} ${tip[1]}`, class: "vibration" }),
       drawn("path", { d: `M${pivot + radius} ${floor}A${radius} ${radius} 0 0 ${beta < 0 ? 1 : 0} ${pivot + radius * dx} ${floor + radius * dy}`, class: "vibration thin plain" }),
       this.ball,
-      drawn("text", { x: isNarrow ? Math.max(96, tip[0] + 6) : tip[0] - 10, y: tip[1] - (this.dragged ? 40 : 20), "text-anchor": isNarrow ? "end" : "middle", class: "blue label" }, isNarrow || this.dragged ? told : withUnit(amplitude, "m", 3)),
-      ...(isNarrow || this.dragged ? [] : [drawn("text", { x: isFree ? pivot + radius + 8 : tip[0] + 34 * dx + 6, y: floor - 7, class: "blue label" }, `${number(beta, 3)}°`)]),
+      drawn("text", { x: isNarrow ? Math.max(8 * told.length, tip[0] + 6) : tip[0] - 10, y: tip[1] + (this.dragged ? -40 : Math.min(-20, 34 * dy - 4)), "text-anchor": isNarrow ? "end" : "middle", class: "blue label" }, isOne ? told : withUnit(amplitude, "m", 3)),
+      ...(isOne ? [] : [drawn("text", { x: pivot + radius + 8, y: floor - 7, class: "blue label" }, `${number(beta, 3)}°`)]),
     ];
   }
 
@@ -272,7 +273,7 @@ export class Stage {
     const tipped = (/** @type {number[]} */ [px, py], sign) => `M${px - 5} ${py + sign * 7}L${px} ${py}L${px + 6} ${py + sign * 6}`;
     return [
       drawn("path", { d: `M${up.join(" ")}A${long} ${long} 0 0 1 ${down.join(" ")}${tipped(up, 1)}${tipped(down, -1)}`, class: "vibration thin plain solid" }),
-      drawn("text", { x: Math.min(width - 10, x + 16), y: Math.min(this.size.height - 24, down[1] + 20), "text-anchor": "end", class: "blue label" }, `climb ${number(slope, 3)}°`),
+      drawn("text", { x: Math.min(width - 10, x + 16), y: Math.min(this.size.height - 24, down[1] + 20), "text-anchor": "end", class: "blue label haloed" }, `climb ${number(slope, 3)}°`),
     ];
   }
 
