@@ -113,10 +113,10 @@ export class Optimum {
     return this.states?.[chipOf(view.best)]?.state;
   }
 
-  // The search for the best while it runs, else null.
+  // The search for the best while it runs as a job, else null.
   searching(view) {
     const search = this.states[chipOf(view.best)];
-    return search.state.value.status === "computing" ? search : null;
+    return search.state.value.status === "computing" && search.state.value.job ? search : null;
   }
 
   // The best design that is chosen, or null.
