@@ -46,9 +46,7 @@ class Page {
     this.notice = new Notice(byId("notice"));
     this.catalogue = new Catalogue((path) => this.notice.persist(() => get(path)));
     this.source = new Source();
-    this.isReady = false; // the service has said what scenes there are
     this.isStepped = false; // a step of this page can be undone by going back
-    this.asked = null; // a question that was chosen before
     this.opening = null; // what is being opened
     this.drawn = null; // the values that are drawn, and what they are of
     this.drawnIn = "";
@@ -394,15 +392,13 @@ class Page {
     });
     get("/healthz").then(({ version }) => (byId("version").textContent = version), () => {});
     addEventListener("pagehide", abandon);
-    this.isReady = true;
-    await (this.asked ? this.ask(this.asked) : this.restore());
+    await this.restore();
   }
 
-  // Open what a question begins with; one that is chosen while the page opens waits for the scenes.
-  async ask(question) {
-    if (!this.isReady) this.asked = question;
-    else if (question === "thesis") await this.openFigure("fig-5-1");
-    else await this.open(begun(question), { isStep: true });
+  // Open what a question begins with: as its link does, once the scenes are known.
+  ask(question) {
+    this.isStepped = true;
+    location.hash = `#question=${question}`;
   }
 
   async restore() {
