@@ -1,6 +1,6 @@
 // The page: a question, its answer, the pictures and fields of it, and what can be taken away.
 
-import { answerTo, liesTold } from "./answers.js";
+import { HOP, answerTo, liesTold } from "./answers.js";
 import { Aspects } from "./aspects.js";
 import { Away } from "./away.js";
 import { completeBest } from "./best.js";
@@ -38,7 +38,6 @@ import { capital, duration, learn, number, valuesTold, words } from "./words.js"
 const OPENED_ANEW = ["kind", "scene", "choice", "set", "recording", "output", "x", "y", "band"];
 const TABS = ["stage", "picture", "detail"];
 const LISTED = new Set(["thesis", "all"]);
-const HOP = 1e-9; // m: what is lower is rounding
 
 class Page {
   constructor() {
@@ -48,8 +47,8 @@ class Page {
     this.source = new Source();
     this.isStepped = false; // a step of this page can be undone by going back
     this.opening = null; // what is being opened
-    this.drawn = null; // the values that are drawn, and what they are of
-    this.drawnIn = "";
+    this.drawn = null; // the values that are drawn
+    this.isDrawnHeld = false; // while something was dragged
     /** @type {Curves | null} */
     this.curve = null;
     this.derive();
@@ -62,7 +61,6 @@ class Page {
     const { store, source } = this;
     const persist = (task) => this.notice.persist(task);
     const derived = (key, ask) => new Derived(store, { key, ask, persist });
-    const shows = (view, section) => [...QUESTIONS[view.question].main, ...QUESTIONS[view.question].side].includes(section);
     this.answer = derived(
       (view) => designOf({ ...view, band: null }) + LISTED.has(view.question),
       (view, scene, how) => design(view, scene, how, { isList: LISTED.has(view.question), hasPath: true }),
@@ -94,16 +92,12 @@ class Page {
           : this.measured.fit(view, scene, how),
     );
     this.resonance = derived(
-      (view, scene) => (shows(view, "resonance") && "frequency" in view.values && this.isAsked(view, scene, "frequency") ? pictureOf({ ...view, x: { name: "frequency", from: 0, to: 0 }, y: null, band: null }) : null),
+      (view, scene) => (view.question === "springs" && scene.outputs.find(({ name }) => name === view.output).asks.includes("frequency") ? pictureOf({ ...view, x: { name: "frequency", from: 0, to: 0 }, y: null, band: null }) : null),
       (view, _, how) => {
         const { from, to } = [view.x, view.y].find((axis) => axis?.name === "frequency") ?? { from: 20, to: 100 };
         return source.line(view, "frequency", from, to, how);
       },
     );
-  }
-
-  isAsked(view, scene, name) {
-    return Boolean(scene.outputs.find((one) => one.name === view.output)?.asks.includes(name));
   }
 
   // The parts of the page, and what they do.
@@ -255,17 +249,13 @@ class Page {
       const isHeld = this.store.held.peek() !== null;
       const unit = this.store.scene.peek().outputs.find(({ name }) => name === view.output)?.unit;
       if (state.value && unit) state.value.z.unit = unit; // shares are told in per cent
-      if (state.value && (this.drawn !== state.value || this.drawnIn !== this.kindOf(view) + isHeld)) {
+      if (state.value && (this.drawn !== state.value || this.isDrawnHeld !== isHeld)) {
         this.picture.show(state.value, view, { isMoving: isHeld, isRough: state.isPartial || (state.status === "asking" && Boolean(state.value)) });
-        [this.drawn, this.drawnIn] = [state.value, this.kindOf(view) + isHeld];
+        [this.drawn, this.isDrawnHeld] = [state.value, isHeld];
       }
       this.tellMap(state, waiting);
       this.ring(answer.status === "ready" && !answer.isLate ? answer.value : null);
     });
-  }
-
-  kindOf(view) {
-    return [view.scene, view.kind, view.choice, view.output, view.x.name, view.y?.name].join();
   }
 
   tellMap(state, waiting) {
