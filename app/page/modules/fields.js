@@ -1,4 +1,4 @@
-// Fields of forms: a choice, a number in the unit that is shown, a tick; and numbers as people type them, with a point or a
+// Fields of forms: a choice, a number in the unit that is shown; and numbers as people type them, with a point or a
 // comma, and a unit. What is no number stays none: it never becomes 0.
 
 import { element } from "./elements.js";
@@ -59,11 +59,6 @@ export function numberInput(text, value, unit, set, { isOptional = false, check 
     (made.closest(".slot") ?? made).after(said);
   }
   return made;
-}
-
-export function tick(id, text, isSet, set) {
-  const made = element("input", { id, type: "checkbox", checked: isSet, onchange: () => set(made.checked) });
-  return element("p", { class: "tick" }, made, element("label", { for: id }, ` ${text}`));
 }
 
 export function button(text, onclick, more = {}) {

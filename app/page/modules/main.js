@@ -1,7 +1,7 @@
 // The page: a question, its answer, the pictures and fields of it, and what can be taken away.
 
 import { HOP, answerTo, liesTold } from "./answers.js";
-import { Aspects } from "./aspects.js";
+import { tellAspects } from "./aspects.js";
 import { Away } from "./away.js";
 import { completeBest } from "./best.js";
 import { Catalogue } from "./catalogue.js";
@@ -31,7 +31,7 @@ import { Stage } from "./stage.js";
 import { COARSE, Derived, Store, batch, effect, untracked } from "./store.js";
 import { Surface, surfaceStudy } from "./surface.js";
 import { frozen, unusual } from "./view.js";
-import { Waves } from "./waves.js";
+import { tellWaves } from "./waves.js";
 import { capital, duration, learn, number, valuesTold, words } from "./words.js";
 
 // What of a view asks for other fields, or another picture.
@@ -49,7 +49,6 @@ class Page {
     this.opening = null; // what is being opened
     this.drawn = null; // the values that are drawn
     this.isDrawnHeld = false; // while something was dragged
-    /** @type {Curves | null} */
     this.curve = null;
     this.derive();
     this.compose();
@@ -119,12 +118,7 @@ class Page {
     byId("panels-host").prepend(this.panels.svg);
     this.player = new Player((time, turns) => this.moment(time, turns));
     new ResizeObserver(() => requestAnimationFrame(() => this.drawPanels())).observe(byId("panels-host"));
-    this.aspects = new Aspects(byId("aspects"), (name) => {
-      const { surface } = this.view;
-      this.setView(surface ? { surface: { ...surface, wanted: name } } : { output: `let_down_share_${name}` });
-    });
     this.surface = new Surface((surface) => this.setView({ surface }));
-    this.waves = new Waves(byId("waves"), setView);
     this.pins = new Pins(byId("pins"), { persist: (task) => this.notice.persist(task), onpins: (pins) => this.setView({ pins }), onshow: (values) => this.setView({ values: { ...this.view.values, ...values } }) });
     byId("keep").addEventListener("click", () => this.pins.pin(this.view));
     this.optimum = new Optimum(
@@ -303,7 +297,8 @@ class Page {
       byId("frame").classList.toggle("surfaced", Boolean(view.surface));
       this.controls.lift(isOf && view.kind === "simulate" ? valueOf(dataset, "throw_number") : null);
       if (view.question === "resting") {
-        this.aspects.show(view, dataset, state.isLate);
+        const want = (name) => this.setView(view.surface ? { surface: { ...view.surface, wanted: name } } : { output: `let_down_share_${name}` });
+        tellAspects(byId("aspects"), view, dataset, state.isLate, want);
         this.surface.show(view);
         this.tellOnward(view, isOf ? valueOf(dataset, view.output) : null);
       }
@@ -511,7 +506,7 @@ class Page {
     byId("picture").classList.toggle("stale", Boolean(before));
     this.controls.show(view, this.catalogue.scenes, scene);
     if (view.question === "drive") this.optimum.show(view, scene, isKept || (isSwitching && this.optimum.isKept));
-    if (view.question === "waves") this.waves.show(view);
+    if (view.question === "waves") tellWaves(byId("waves"), view, (patch) => this.setView(patch));
     const isMeasured = view.question === "measured" && view.kind === "simulate" && Boolean(view.runs);
     byId("measured").hidden = !isMeasured;
     if (isMeasured) this.measured.show(view, scene);

@@ -32,18 +32,12 @@ export class Plot {
       this.svg,
     );
     fill(host, this.box, ...after, this.said);
-    /** @type {any} */
     this.data = null;
-    /** @type {any} */
     this.cursor = null; // {x, y}, values of the axes: the next picture may have other cells
     this.marks = {}; // by who sets them
-    /** @type {any} */
     this.regimes = [];
-    /** @type {any} */
     this.x = null; // axes
-    /** @type {any} */
     this.y = null;
-    /** @type {any} */
     this.size = null; // of the box: to ask for it in each frame has the page laid out anew
     const resize = () => {
       this.size = null;

@@ -18,7 +18,6 @@ export class Stage {
   constructor(host, onmove) {
     this.onmove = onmove;
     this.svg = drawn("svg", { class: "stage", role: "group", "aria-label": "The part on its track, from the side" });
-    /** @type {any} */
     this.shown = null;
     this.size = { width: 0, height: 0 };
     this.enlarged = 0;
@@ -26,7 +25,6 @@ export class Stage {
     this.turns = 0;
     // Of the drawing, in px: where floor, vibration and part are, px a metre of movement, and the size of the part.
     [this.floor, this.pivot, this.across, this.moved, this.wide, this.tall] = [0, 0, 0, 1, 0, 0];
-    /** @type {any} */
     this.part = null;
     fill(host, this.svg);
     this.scenery = drawn("g");

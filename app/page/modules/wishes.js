@@ -3,7 +3,7 @@
 import { furtherOf } from "./best.js";
 import { CRITERIA, FIGURES, NEEDS_OTHER } from "./criterion.js";
 import { element, fill } from "./elements.js";
-import { button, choiceField, grouped, numberInput, tick } from "./fields.js";
+import { button, choiceField, grouped, numberInput } from "./fields.js";
 import { usual } from "./view.js";
 import { capital, label, sentence, shown, words } from "./words.js";
 
@@ -56,10 +56,12 @@ export class Wishes {
   }
 
   tick(id, text, row, name) {
-    return tick(id, text, row[name], (isSet) => {
-      row[name] = isSet;
+    const set = () => {
+      row[name] = made.checked;
       this.changed(id);
-    });
+    };
+    const made = element("input", { id, type: "checkbox", checked: row[name], onchange: set });
+    return element("p", { class: "tick" }, made, element("label", { for: id }, ` ${text}`));
   }
 
   removal(rows, place, next, text) {
