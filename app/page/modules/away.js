@@ -21,15 +21,12 @@ function withKey(command) {
 
 export class Away {
   // `study(what)` is that of the picture or of the best, `picture()` what is drawn of it, `told()` its title, values
-  // and link, `hasBest()` whether there is a best.
-  constructor({ study, picture, told, hasBest }) {
+  // and link.
+  constructor({ study, picture, told }) {
     this.study = study;
     this.picture = picture;
     this.told = told;
     const menu = byId("away-menu");
-    menu.addEventListener("beforetoggle", () => {
-      for (const one of menu.children) one.hidden = one.dataset.of === "best" && !hasBest();
-    });
     // Each entry names what is taken, in which form, and whether of what is shown or of the best.
     menu.addEventListener("click", ({ target }) => {
       const { take, form, of = "values" } = target.dataset;

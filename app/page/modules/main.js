@@ -135,7 +135,6 @@ class Page {
       study: (what) => (what === "best" ? this.optimum.study() : this.view.surface ? surfaceStudy(this.view) : this.source.study(this.view)),
       picture: () => (this.view.question === "drive" && this.optimum.front) || this.picture.drawing,
       told: () => ({ title: `${byId("headline").textContent} ${capital(words(this.view.output))}`, lines: [valuesTold(this.view, this.store.scene.value)], link: location.href }),
-      hasBest: () => this.view.question === "drive",
     });
     byId("skip").addEventListener("click", (event) => {
       event.preventDefault(); // the address is that of the view
