@@ -56,10 +56,6 @@ export class Headline {
     this.host.classList.toggle("failed", isFailed);
     this.host.classList.toggle("odd", Boolean(odd) && !isFailed);
     this.host.setAttribute("aria-busy", String(state.status === "computing"));
-    clearTimeout(this.timer);
-    const isBusy = state.status === "computing";
-    if (!isBusy) this.parts.bar.hidden = true;
-    else this.timer = setTimeout(() => (this.parts.bar.hidden = false), 300);
     if (state.job) this.parts.bar.style.setProperty("--share", `${state.job.progress}%`);
     this.parts.number.textContent = isFailed ? "–" : (answer?.number ?? "");
     this.parts.unit.textContent = isFailed ? "" : (answer?.unit ?? "");
