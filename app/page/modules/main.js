@@ -9,7 +9,7 @@ import { Source, bandAt, bandOver, design, sineOf, valueOf } from "./computed.js
 import { Controls } from "./controls.js";
 import { courseOf, modeAt, MODES, platoonsAt } from "./course.js";
 import { Curves } from "./curves.js";
-import { byId, element, fill } from "./elements.js";
+import { byId } from "./elements.js";
 import { Headline } from "./headline.js";
 import { tellDevices, tellFigures, tellMeaning, tellValues, viewOf } from "./lists.js";
 import { mattersOf, mattersStudy, tellMatters } from "./matters.js";
@@ -313,14 +313,11 @@ class Page {
   // What a line would make of the part.
   tellOnward(view, share) {
     const { length, width, height } = view.values;
+    const [told, open] = byId("onward").children;
     byId("onward").hidden = !(share >= 0) || view.choice !== "box" || !view.output.includes("_share_");
+    told.textContent = `One part a second arrives: ${Math.round(60 * share)} a minute ${liesTold(view.output.replace(/^.*_share_/, ""))}.`;
     const line = begun("orienting");
-    const open = () => this.open({ ...line, values: { ...line.values, length, width, height } }, { isStep: true });
-    fill(
-      byId("onward"),
-      element("p", {}, `One part a second arrives: ${Math.round(60 * share)} a minute ${liesTold(view.output.replace(/^.*_share_/, ""))}.`),
-      element("button", { type: "button", onclick: open }, "What leaves my line?"),
-    );
+    open.onclick = () => this.open({ ...line, values: { ...line.values, length, width, height } }, { isStep: true });
   }
 
   courseOf(dataset) {
