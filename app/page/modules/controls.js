@@ -9,7 +9,7 @@ import { QUESTIONS } from "./questions.js";
 import { SETS, STROKE, hasChoice, restated } from "./sets.js";
 import { rangeField, sliderField } from "./slider.js";
 import { COMPANIONS, furtherParameters, shownParameters, typical, usual } from "./view.js";
-import { capital, label, number, sentence, shown, words } from "./words.js";
+import { capital, label, number, sentence, words } from "./words.js";
 
 const SELDOM = "gravity"; // turned by hardly anybody: it stands last
 const KINDS_OF_FRICTION = {
