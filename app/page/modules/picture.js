@@ -11,6 +11,7 @@ export class Picture {
   // `onpick(point)` hears of a point that is chosen, `ondrag(point, {isOver})` of the ring that is dragged.
   constructor({ onpick, ondrag }) {
     this.options = { onpick, ondrag };
+    /** @type {any} */
     this.drawing = null; // a map or lines
     this.marks = {}; // by who sets them
     this.reason = element("p", { role: "status" });

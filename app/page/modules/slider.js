@@ -112,7 +112,7 @@ export function rangeField(text, axis, parameter, ontake) {
       min: low,
       max: high,
       step,
-      "aria-label": `${told}, slider`,
+      "aria-label": `${told} (slider)`,
       "aria-valuetext": withUnit(ends[k], unit),
       oninput: () => {
         const value = Number(slider.value);

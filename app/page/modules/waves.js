@@ -11,11 +11,11 @@ const MAX_BYTES = 2_000_000;
 export function tellWaves(host, view, onchange) {
   const said = element("span", { role: "status" }, view.recording?.name);
   const take = async () => {
-    const { recording, problem } = file.files.length ? await recordingOf(file.files[0]) : { problem: "" };
+    const { recording, problem } = await recordingOf(file.files[0]);
     said.textContent = problem ?? `${recording.name} is being fitted ...`;
     if (recording) onchange({ set: "recorded", recording, x: undefined, y: undefined });
   };
-  const file = element("input", { type: "file", id: "recording", accept: ".csv,.txt,text/csv", onchange: take });
+  const file = element("input", { type: "file", id: "recording", accept: ".csv,.txt,text/csv", onchange: () => file.files.length && take() });
   const names = view.recording ? [...CHOICES, "recorded"] : CHOICES;
   fill(
     host,
@@ -31,6 +31,7 @@ export function tellWaves(host, view, onchange) {
 
 // A file as a drive of a study, or what is wrong with it. Its columns by their names: those that end in x or say along,
 // and in z or say normal.
+/** @returns {Promise<any>} */
 async function recordingOf(file) {
   if (file.size > MAX_BYTES) return { problem: "The recording is too large: cut it to 20,000 rows or fewer." };
   const data = await file.text();
