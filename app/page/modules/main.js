@@ -495,6 +495,7 @@ class Page {
     if (view.question !== "drive") this.optimum.leave();
     byId("wishes").hidden = view.question !== "drive";
     byId("limits").hidden = view.question !== "drive";
+    byId("away-menu").classList.toggle("of-best", view.question === "drive");
     this.tellQuestions(view.question);
     byId("headline").textContent = byId("choose-question").selectedOptions[0].text;
     this.drawn = null;
