@@ -17,7 +17,6 @@ from looking import (
     numbers,
     opened,
     pressed,
-    revealed,
     settled,
     shows,
     speed,
