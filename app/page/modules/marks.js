@@ -6,7 +6,7 @@ import { drawn } from "./elements.js";
 
 const SMALL = 3.5; // px
 const GRIP = 22; // px around a point that is dragged
-const LETTER = { wide: 9, tall: 20 }; // px, of a name
+const LETTER = { wide: 10, tall: 20 }; // px, of a name
 const RING = 10; // px, around a marked point
 const LEAST = 0.02; // of the map, of a regime with a name
 
