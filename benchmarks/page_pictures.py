@@ -89,7 +89,7 @@ STATES = (
     State(
         "trade-off",
         f"question=drive&{SNAPSHOT}&best=pareto&against=acceleration_y&points=9&vary=frequency:30:80&found=1",
-        (("#front .marker", None),),
+        (("#front .measured", None),),
         is_dark=True,
     ),
     State("thesis", "question=thesis", (("#figures", "Verdict"), ("#values", "Throw number"))),

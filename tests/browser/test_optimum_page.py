@@ -101,8 +101,8 @@ def test_where_nothing_is_feasible_a_click_relaxes_it(page: Page, address: str) 
 
 def test_a_trade_off_is_one_thing_in_map_and_plot(page: Page, address: str) -> None:
     opened(page, f"{address}/{TRADE_OFF}")
-    front = page.locator("#front .front")
-    expect(front.locator(".marker")).to_have_count(9)
+    front = page.locator("#front .curves")
+    expect(front.locator(".measured")).to_have_count(9)
     answer = posted(address, tomllib.loads(taken_away(page, "Study of the best (TOML)").decode()))
     names = ("acceleration_x", "acceleration_y", "best_amplitude", "best_beta", "best_frequency")
 
@@ -113,12 +113,12 @@ def test_a_trade_off_is_one_thing_in_map_and_plot(page: Page, address: str) -> N
         assert numbers(told) == pytest.approx(values, rel=1e-3)
 
     is_told(answer["knee"].index(1))
-    pressed(page, front, "End")
+    pressed(page, front, "Shift+ArrowLeft")
     is_told(8)
     page.keyboard.press("ArrowRight")
     is_told(7)
     assert page.locator("#picture .map .marks > .marker").count() == 8
-    pressed(page, front, "Home", "Enter")  # the drive becomes the design
+    pressed(page, front, "Shift+ArrowRight", "Enter")  # the drive becomes the design
     settled(page)
     assert value(page, "frequency") == pytest.approx(answer["best_frequency"][0], rel=1e-5)
     for scheme in ("light", "dark"):

@@ -20,7 +20,7 @@ QUESTIONS = (
 OF_A_FILE = "mesh"  # a part that is dropped on the page
 KINDS = {"simulate": "methods", "sweep": "variants"}
 OF_ANOTHER_STUDY = ("drive", "measured", "uncertain")  # or a range
-OWN_MAKING = re.compile("trajectory|has no output|is not a parameter|page has an error|undefined")
+OWN_MAKING = re.compile("trajectory|does not fit this system|page has an error|undefined")
 FACTORS = (1, 1e3, 100, 1e4, 1e-6, 1e-3)
 
 

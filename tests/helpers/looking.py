@@ -160,5 +160,5 @@ def taken_away(page: Page, name: str) -> bytes:
     """Return what an entry of the menu saves."""
     page.locator("#take-away").click()
     with page.expect_download() as download:
-        page.get_by_role("menuitem", name=name, exact=True).click()
+        page.get_by_role("button", name=name, exact=True).click()
     return download.value.path().read_bytes()

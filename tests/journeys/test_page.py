@@ -10,7 +10,7 @@ from waiting import wait_for
 
 TRACK = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
-    "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4&point=0.0005:30"
+    "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4&p.amplitude=0.0005&p.beta=30"
 )
 
 

@@ -50,7 +50,7 @@
       const slider = picked(all("#controls input[type=range], #expert input[type=range]"), share);
       for (const place of places) {
         if (!slider?.isConnected) return;
-        slider.value = String(Math.round(place * Number(slider.max)));
+        slider.value = String(Number(slider.min) + place * (slider.max - slider.min));
         heard(slider, "input");
         await frame();
       }
@@ -124,7 +124,7 @@
     const isTired = () => performance.now() - begun > PATIENCE;
     for (let calm = 0; calm < 3; ) {
       calm = busy("picture") || busy("answer") ? 0 : calm + 1;
-      const cancel = all("#stale button, #answer .actions button").find((one) => one.textContent === "Cancel");
+      const cancel = all("#stale button, #answer .actions button").find((one) => one.textContent.startsWith("Cancel"));
       if (isTired()) cancel?.click();
       await frame();
     }
@@ -135,7 +135,7 @@
   const factorOf = (text) => FACTORS[text.match(/\(([^)]+)\)/)?.[1]] ?? 1;
 
   window.disagreements = async () => {
-    const { fromLink, pictureOf } = await import(new URL("page/modules/view.js", document.baseURI));
+    const { fromLink, pictureOf } = await import(new URL("page/modules/link.js", document.baseURI));
     const found = [...window.faults];
     window.faults.length = 0;
     const say = (what, one, other) => found.push(`${what}: ${one} and ${other}, at ${location.hash}`);
@@ -166,7 +166,7 @@
       if (!axis) continue;
       const box = document.getElementById(`choose-${id}`).closest(".field");
       const { text } = document.getElementById(`choose-${id}`).selectedOptions[0];
-      [...box.querySelectorAll(".ends input")].forEach((input, i) => {
+      [...box.querySelectorAll(".pair input")].forEach((input, i) => {
         if (input.getAttribute("aria-invalid")) return; // the last value holds
         const value = [axis.from, axis.to][i] * factorOf(text);
         if (!near(Number(input.value), value)) say(`end of ${id}`, input.value, value);

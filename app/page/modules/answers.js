@@ -4,7 +4,7 @@ import { flagOf, valueOf } from "./computed.js";
 import { gathersTold } from "./plate.js";
 import { capital, number, shown, withUnit, words } from "./words.js";
 
-const HOP = 1e-9; // m: what is lower is rounding
+export const HOP = 1e-9; // m: what is lower is rounding
 const RADIANS = Math.PI / 180;
 
 // At which value of a parameter of the drive the part lifts off, from the throw number: null where it does not

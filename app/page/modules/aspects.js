@@ -52,37 +52,28 @@ function boxDrawn(values, aspect, size) {
   return { svg, tall };
 }
 
-export class Aspects {
-  // `onwant(name)` hears of the aspect that is wanted.
-  constructor(host, onwant) {
-    this.host = host;
-    this.onwant = onwant;
-  }
-
-  show(view, dataset, isStale) {
-    this.host.classList.toggle("stale", isStale);
-    const aspects = aspectsOf(dataset);
-    const width = (share) => `${Math.max(0, Math.min(100, 100 * share))}%`;
-    fill(
-      this.host,
-      ...aspects.map(({ name, value, low, high, size }) => {
-        const { svg, tall } = boxDrawn(view.values, name, size);
-        const bar = element("span", { class: "bar" });
-        bar.style.setProperty("--value", width(value));
-        bar.style.setProperty("--low", width(low));
-        bar.style.setProperty("--high", width(high));
-        const isWanted = name === (wantedIn(view) ?? aspects[0].name);
-        const range = number(100 * low, 2) === number(100 * high, 2) ? `${number(100 * low, 2)} %` : `${number(100 * low, 2)} to ${number(100 * high, 2)} %`;
-        return element(
-          "button",
-          { type: "button", class: "aspect-card", "aria-pressed": String(isWanted), onclick: () => this.onwant(name) },
-          element("span", { class: "head" }, element("b", {}, capital(liesTold(name).replace(/^(lie in|lie|stand|rest as) /, ""))), element("small", {}, `${isWanted ? "wanted, " : ""}${Number.isFinite(tall) ? `${withUnit(tall, "m", 3)} high` : ""}`)),
-          svg,
-          element("span", { class: "share" }, range),
-          bar,
-          element("span", { class: "ends" }, element("span", {}, "0"), element("span", {}, "100 %")),
-        );
-      }),
-    );
-  }
+// `onwant(name)` hears of the aspect that is wanted.
+export function tellAspects(host, view, dataset, isStale, onwant) {
+  host.classList.toggle("stale", isStale);
+  const aspects = aspectsOf(dataset);
+  const width = (share) => `${Math.max(0, Math.min(100, 100 * share))}%`;
+  fill(
+    host,
+    ...aspects.map(({ name, value, low, high, size }) => {
+      const { svg, tall } = boxDrawn(view.values, name, size);
+      const bar = element("span", { class: "bar" });
+      bar.style.cssText = `--value: ${width(value)}; --low: ${width(low)}; --high: ${width(high)}`;
+      const isWanted = name === (wantedIn(view) ?? aspects[0].name);
+      const range = number(100 * low, 2) === number(100 * high, 2) ? `${number(100 * low, 2)} %` : `${number(100 * low, 2)} to ${number(100 * high, 2)} %`;
+      return element(
+        "button",
+        { type: "button", class: "aspect-card", "aria-pressed": String(isWanted), onclick: () => onwant(name) },
+        element("span", { class: "head" }, element("b", {}, capital(liesTold(name).replace(/^(lie in|lie|stand|rest as) /, ""))), element("small", {}, `${isWanted ? "wanted, " : ""}${Number.isFinite(tall) ? `${withUnit(tall, "m", 3)} high` : ""}`)),
+        svg,
+        element("span", { class: "share" }, range),
+        bar,
+        element("span", { class: "ends" }, element("span", {}, "0"), element("span", {}, "100 %")),
+      );
+    }),
+  );
 }

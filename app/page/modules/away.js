@@ -1,11 +1,18 @@
 // Take away: the sheet, the numbers, the picture, the study, a link, in one menu.
 
 import { byId, element } from "./elements.js";
-import { save } from "./saving.js";
 import { file, follow, key, put, text } from "./service.js";
 
 const TYPES = { xlsx: "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet", csv: "text/csv", nc: "application/x-netcdf" };
 const NAMES = { toml: "study.toml", curl: "study.sh", python: "study.py" };
+
+const KEPT = 10_000; // ms for which a file that is being saved stays in memory
+
+function save(blob, name) {
+  const link = element("a", { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), KEPT);
+}
 
 // A service with keys wants one; a file that is passed on holds none.
 function withKey(command) {
@@ -14,18 +21,12 @@ function withKey(command) {
 
 export class Away {
   // `study(what)` is that of the picture or of the best, `picture()` what is drawn of it, `told()` its title, values
-  // and link, `hasBest()` whether there is a best, `tell(job)` hears of jobs.
-  constructor({ study, picture, told, hasBest, tell }) {
-    this.tell = tell;
+  // and link.
+  constructor({ study, picture, told }) {
     this.study = study;
     this.picture = picture;
     this.told = told;
     const menu = byId("away-menu");
-    menu.addEventListener("beforetoggle", () => {
-      for (const one of menu.children) one.hidden = one.dataset.of === "best" && !hasBest();
-    });
-    menu.addEventListener("toggle", ({ newState }) => newState === "open" && menu.firstElementChild.focus());
-    menu.addEventListener("keydown", (event) => this.press(event));
     // Each entry names what is taken, in which form, and whether of what is shown or of the best.
     menu.addEventListener("click", ({ target }) => {
       const { take, form, of = "values" } = target.dataset;
@@ -39,13 +40,8 @@ export class Away {
     window.print();
   }
 
-  press(event) {
-    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-    if (!step) return;
-    const items = [...byId("away-menu").children].filter(({ hidden }) => !hidden);
-    const at = items.indexOf(document.activeElement);
-    items[(at + step + items.length) % items.length].focus();
-    event.preventDefault();
+  keep() {
+    byId("keep").click();
   }
 
   say(told, content = null) {
@@ -82,10 +78,7 @@ export class Away {
     try {
       const study = this.study(of);
       const { content } = await put(`/processes/${study.kind}/execution`, study, { headers: { Prefer: "respond-async" } });
-      const job = await follow(content, (now) => {
-        this.tell(now);
-        this.say(`${now.message} ${now.progress} %`);
-      });
+      const job = await follow(content, ({ message, progress }) => this.say(`${message} ${progress} %`));
       save(await file(`/jobs/${job.jobID}/results/dataset`, TYPES[form]), `vibrafeed.${form}`);
       this.say(`vibrafeed.${form} is saved.`);
     } catch (error) {

@@ -10,7 +10,7 @@ export const FRAME = { left: 52, right: 12, top: 10, bottom: 42 };
 const FAR = 1e6; // px: beyond all screens, and a number that a picture takes
 
 // A linear axis from the ends of a quantity to places on the screen.
-export function axisOf({ name, unit, values }, from, to) {
+export function axisOf({ name, unit, values, title = label(name, unit) }, from, to) {
   const [factor] = shown(unit);
   const [first, last] = [values[0], values[values.length - 1]];
   const span = last - first || 1;
@@ -21,7 +21,7 @@ export function axisOf({ name, unit, values }, from, to) {
     place: (value) => Math.max(-FAR, Math.min(FAR, from + ((value - first) / span) * (to - from))),
     value: (place) => first + ((place - from) / (to - from)) * span,
     ticks: (count) => ticks(Math.min(first, last) * factor, Math.max(first, last) * factor, Math.max(2, Math.floor(count))),
-    label: label(name, unit),
+    label: title,
   };
 }
 

@@ -1,10 +1,10 @@
 // The best of a view: made whole, as a study, and searched for.
 
-import { designsOf } from "./answer.js";
 import { FIGURES, NEEDS_OTHER, usualBest } from "./criterion.js";
+import { misfit } from "./opening.js";
+import { designsOf } from "./optima.js";
 import { carryOut } from "./service.js";
 import { givenNames, givenValues, shownParameters, typical } from "./view.js";
-import { capital, words } from "./words.js";
 
 const WIDER = 4; // times the frequency, either way, among which another one is looked for
 const RUBBER = 0.8; // friction of a lined track
@@ -16,26 +16,17 @@ export function completeBest(view, scene) {
   const outputs = new Set(scene.outputs.map(({ name }) => name));
   const parameters = new Set(scene.parameters.map(({ name }) => name));
   const axes = [view.x.name, view.y?.name];
-  const keep = (list, isKnown, told) =>
-    list.filter((one) => {
-      if (!isKnown(one)) complaints.push(told(one));
-      return isKnown(one);
-    });
+  const isKnown = (one, isThere) => {
+    if (!isThere) complaints.push(misfit(one));
+    return isThere;
+  };
   const others = scene.outputs.filter(({ name }) => name !== view.output);
   if (!others.some(({ name }) => name === best.against)) {
-    if (best.against) complaints.push(`The output ${words(best.against).slice(0, 60)} does not exist, so the criterion cannot weight it: choose another.`);
+    if (best.against) complaints.push(misfit(best.against));
     best.against = others.find(({ name }) => name === "acceleration_y")?.name ?? others[0]?.name ?? "";
   }
-  best.limits = keep(
-    best.limits,
-    ({ output }) => outputs.has(output),
-    ({ output }) => `The output ${words(output).slice(0, 60)} does not exist, so its limit was removed.`,
-  );
-  best.vary = keep(
-    best.vary,
-    ({ name }) => parameters.has(name) && (axes.includes(name) || name in view.values),
-    ({ name }) => `The search cannot vary the ${words(name).slice(0, 60)} here: choose another variable.`,
-  ).filter(({ name }) => !axes.includes(name));
+  best.limits = best.limits.filter(({ output }) => isKnown(output, outputs.has(output)));
+  best.vary = best.vary.filter(({ name }) => isKnown(name, parameters.has(name) && (axes.includes(name) || name in view.values)) && !axes.includes(name));
   const further = furtherOf({ ...view, best }, scene);
   best.given = Object.fromEntries(further.map((one) => [one.name, best.given[one.name] ?? typical(one)]));
   return { best, complaints };
@@ -116,7 +107,7 @@ export function bestStudy(view, scene) {
     study.uncertain = { [name]: { lower: ends[0], upper: ends[1] } };
     study.robust = "worst";
     delete study.parameters[name];
-  } else if (best.kind !== "pareto") study.sensitivities = true;
+  }
   return study;
 }
 

@@ -1,13 +1,10 @@
 // What the service says there is: scenes, and the figures of the thesis.
 
-import { learn } from "./words.js";
-
 export class Catalogue {
   // `ask(path)` returns what stands there, however long it takes.
   constructor(ask) {
     this.ask = ask;
-    this.described = new Map(); // path -> scene
-    this.drawn = null; // figures of the thesis
+    this.replies = new Map(); // by path
   }
 
   async load() {
@@ -21,23 +18,21 @@ export class Catalogue {
   }
 
   // All about the scene of a view, in its variant or by its method.
-  async describe(view) {
+  describe(view) {
     const query = new URLSearchParams(
       view.kind === "sweep"
         ? view.choice && { variant: view.choice }
         : { method: view.choice || (this.scene(view.scene)?.methods[0] ?? "events") },
     );
-    const path = `/scenes/${encodeURIComponent(view.scene)}?${query}`;
-    if (!this.described.has(path)) {
-      const scene = await this.ask(path);
-      learn(scene);
-      this.described.set(path, scene);
-    }
-    return this.described.get(path);
+    return this.kept(`/scenes/${encodeURIComponent(view.scene)}?${query}`);
   }
 
-  async figures() {
-    this.drawn ??= await this.ask("/figures");
-    return this.drawn;
+  figures() {
+    return this.kept("/figures");
+  }
+
+  async kept(path) {
+    if (!this.replies.has(path)) this.replies.set(path, await this.ask(path));
+    return this.replies.get(path);
   }
 }

@@ -82,8 +82,7 @@ function designStudy(view, scene, { isList = false, values = null, hasPath = fal
 /** @param {View} view @param {any} scene @param {How} how */
 export async function design(view, scene, { signal, tell } = {}, more = {}) {
   const study = view.surface && !more.values ? surfaceStudy(view) : designStudy(view, scene, more);
-  const { dataset, seconds } = await carryOut(study.kind, study, { signal, tell });
-  return { dataset, seconds };
+  return carryOut(study.kind, study, { signal, tell });
 }
 
 // The same speed with a sine of the amplitudes of an ellipse; null of other drives.

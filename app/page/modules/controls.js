@@ -1,17 +1,15 @@
 // The fields of a view: the sliders of its question, part and friction in one menu, all else under Expert.
 
 import { byId, element, fill, refill } from "./elements.js";
-import { choiceField, numberInput } from "./fields.js";
-import { grouped } from "./groups.js";
+import { choiceField, grouped, numberInput } from "./fields.js";
 import { liftOff } from "./answers.js";
 import { pictured } from "./opening.js";
 import { FIRST_PART, PARTS, partDrawn, partOf } from "./parts.js";
 import { QUESTIONS } from "./questions.js";
-import { SETS } from "./sets.js";
+import { SETS, STROKE, hasChoice, restated } from "./sets.js";
 import { rangeField, sliderField } from "./slider.js";
-import { STROKE, hasChoice, restated } from "./stroke.js";
 import { COMPANIONS, furtherParameters, shownParameters, typical, usual } from "./view.js";
-import { capital, label, number, sentence, shown, words } from "./words.js";
+import { capital, label, number, sentence, words } from "./words.js";
 
 const SELDOM = "gravity"; // turned by hardly anybody: it stands last
 const KINDS_OF_FRICTION = {
@@ -41,7 +39,7 @@ export class Controls {
     if (!first.length && record.sliders.length) first = parameters.filter(({ name }) => name !== SELDOM).slice(0, 3);
     this.first = new Set(first.map(({ name }) => name));
     const isSearch = view.question === "drive";
-    const bounds = isSearch ? [view.x, view.y].filter(Boolean).map((axis) => this.bounds(axis)) : [];
+    const bounds = isSearch ? [view.x, view.y].filter(Boolean).map((axis) => this.bounds(axis, " may be")) : [];
     refill(byId("first"), ...bounds, ...first.map((one) => this.slider(one)));
     this.partMenu();
     // A place of a line without a device has no turn.
@@ -49,10 +47,11 @@ export class Controls {
     this.tellExpert(scenes, parameters.filter(({ name }) => !this.sliders.has(name) && !isEmpty(name)));
   }
 
-  bounds(axis) {
+  bounds(axis, more = "") {
     const place = axis === this.view.x ? "x" : "y";
     const parameter = this.parameters.find(({ name }) => name === axis.name);
-    return rangeField(axis, parameter, (from, to) => this.change({ [place]: { ...this.view[place], from, to } }));
+    const text = capital(words(axis.name)).replace(" of vibration", "") + more;
+    return rangeField(text, axis, parameter, (from, to) => this.change({ [place]: { ...this.view[place], from, to } }));
   }
 
   slider(parameter, ...more) {
@@ -214,15 +213,7 @@ export class Controls {
     const options = parameters.filter(({ name }) => name !== other?.name).map(({ name, unit }) => [name, label(name, unit)]);
     if (place === "y") options.push(["", "Nothing: lines"]);
     const field = this.select(text, options, axis?.name ?? "", (name) => this.changeAxis(place, name));
-    if (!axis) return field;
-    const parameter = parameters.find(({ name }) => name === axis.name);
-    const [, unit] = shown(parameter.unit);
-    const isOrdered = { from: (value) => value < axis.to, to: (value) => value > axis.from };
-    const end = (which) =>
-      numberInput(`${text} ${which}${unit ? ` in ${unit}` : ""}`, axis[which], parameter.unit, (value) => this.change({ [place]: { ...axis, [which]: value } }), {
-        check: (value) => (isOrdered[which](value) ? "" : "The lower end of the axis has to be below the upper end"),
-      });
-    field.append(element("div", { class: "ends" }, end("from"), "to", end("to"), unit));
+    if (axis && view.question !== "drive") field.append(this.bounds(axis));
     return field;
   }
 

@@ -43,3 +43,10 @@ export function drawn(tag, attributes = {}, ...children) {
   made.append(...children);
   return made;
 }
+
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+// The steps across and up of an arrow key, ten with Shift; null of other keys.
+export function arrowOf({ key, shiftKey }) {
+  return ARROWS[key]?.map((one) => one * (shiftKey ? 10 : 1)) ?? null;
+}

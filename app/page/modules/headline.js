@@ -6,22 +6,22 @@ import { number, shown } from "./words.js";
 
 const { nice, ticks } = /** @type {any} */ (window).d3;
 const STRIP = { wide: 300, tall: 62, left: 14 };
-const NARROW = 150; // px, on a phone
+const NARROW = 150; // px, on a phone and beside a long unit
+const LONG = 12; // letters
 
 // The range of a number on its axis.
-function stripDrawn({ low, high, value, unit, most }) {
+function stripDrawn({ low, high, value, unit, most }, isNarrow) {
   const [factor] = shown(unit);
   const [from, to, at] = [low, high, value].map((one) => one * factor);
   const largest = Math.max(Math.abs(from), Math.abs(to), Math.abs(at)) || 1;
   const [bottom, top] = most ? [0, most] : nice(Math.min(0, 1.3 * from, 1.3 * at), Math.max(0, 1.3 * largest), 4);
-  const isNarrow = innerWidth <= 700;
   const wide = isNarrow ? NARROW : STRIP.wide;
   const place = (one) => STRIP.left + ((one - bottom) / (top - bottom)) * (wide - 2 * STRIP.left);
   const line = 40;
-  const svg = drawn("svg", { viewBox: `0 0 ${wide} ${STRIP.tall}`, class: "strip", role: "img", "aria-label": `from ${number(from, 3)} to ${number(to, 3)}` });
-    svg.append(
+  const svg = drawn("svg", { viewBox: `0 0 ${wide} ${STRIP.tall}`, width: wide, class: "strip", role: "img", "aria-label": `from ${number(from, 3)} to ${number(to, 3)}` });
+  svg.append(
     drawn("line", { x1: place(bottom), x2: place(top), y1: line, y2: line, class: "axis" }),
-    ...ticks(bottom, top, isNarrow ? 2 : 4).flatMap((tick) => [
+    ...(isNarrow ? [bottom, (bottom + top) / 2, top] : ticks(bottom, top, 4)).flatMap((tick) => [
       drawn("line", { x1: place(tick), x2: place(tick), y1: line - 4, y2: line + 4, class: "axis" }),
       drawn("text", { x: place(tick), y: line + 18, "text-anchor": "middle", class: "pale" }, number(tick, 3, top)),
     ]),
@@ -56,17 +56,13 @@ export class Headline {
     this.host.classList.toggle("failed", isFailed);
     this.host.classList.toggle("odd", Boolean(odd) && !isFailed);
     this.host.setAttribute("aria-busy", String(state.status === "computing"));
-    clearTimeout(this.timer);
-    const isBusy = state.status === "computing";
-    if (!isBusy) this.parts.bar.hidden = true;
-    else this.timer = setTimeout(() => (this.parts.bar.hidden = false), 300);
     if (state.job) this.parts.bar.style.setProperty("--share", `${state.job.progress}%`);
     this.parts.number.textContent = isFailed ? "–" : (answer?.number ?? "");
     this.parts.unit.textContent = isFailed ? "" : (answer?.unit ?? "");
     const old = state.isLate ? `for the old values. ${waiting || (state.job ? `${state.job.message} ${state.job.progress} %` : state.reason || "Computing.")}` : "";
     const sentence = isFailed ? state.reason : old || (answer ? answer.sentence : "Computing.");
     fill(this.parts.sentence, sentence, " ", !old && !isFailed && answer?.more ? element("span", { class: "pale" }, answer.more) : null);
-    fill(this.parts.strip, answer?.strip && !isFailed ? stripDrawn(answer.strip) : "");
+    fill(this.parts.strip, answer?.strip && !isFailed ? stripDrawn(answer.strip, innerWidth <= 700 || answer.unit.length > LONG) : "");
     this.parts.odd.textContent = isFailed ? "" : odd;
     const same = actions.map(({ text }) => text).join("|");
     this.onclick = actions.map(({ onclick }) => onclick);

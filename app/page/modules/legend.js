@@ -51,30 +51,16 @@ export function scaleTold(range, { name, unit }, values) {
 // The regimes that occur in what is shown, the most frequent first: {value, name, share} and its look.
 export function occurring({ regime, x, y }, look) {
   if (!regime) return [];
-  const counts = new Map();
-  const rows = y ? y.values.length : 1;
-  let value; // of the run that is being counted: neighbours are mostly alike
-  let run = 0;
-  const note = () => run && counts.set(value, (counts.get(value) ?? 0) + run);
-  for (let j = 0; j < rows; j++) {
-    for (let i = 0; i < x.values.length; i++) {
-      const next = regime.at(i, j);
-      if (next !== value) {
-        note();
-        value = next;
-        run = 0;
-      }
-      run += 1;
+  const counts = [];
+  const [across, up] = [x.values.length, y ? y.values.length : 1];
+  for (let j = 0; j < up; j++) {
+    for (let i = 0; i < across; i++) {
+      const value = regime.at(i, j);
+      counts[value] = (counts[value] ?? 0) + 1;
     }
   }
-  note();
-  const all = rows * x.values.length;
-  return [...counts]
-    .sort((a, b) => b[1] - a[1])
-    .map(([value, count]) => {
-      const name = regime.names[value] ?? "";
-      return { value, name, share: count / all, ...look(name) };
-    });
+  const named = Object.entries(counts).map(([value, count]) => ({ value: Number(value), name: regime.names[value] ?? "", share: count / (across * up) }));
+  return named.sort((one, other) => other.share - one.share).map((one) => ({ ...one, ...look(one.name) }));
 }
 
 // Lines of a legend in words.

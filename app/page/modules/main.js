@@ -1,7 +1,7 @@
 // The page: a question, its answer, the pictures and fields of it, and what can be taken away.
 
-import { answerTo, liesTold } from "./answers.js";
-import { Aspects } from "./aspects.js";
+import { HOP, answerTo, liesTold } from "./answers.js";
+import { tellAspects } from "./aspects.js";
 import { Away } from "./away.js";
 import { completeBest } from "./best.js";
 import { Catalogue } from "./catalogue.js";
@@ -9,14 +9,12 @@ import { Source, bandAt, bandOver, design, sineOf, valueOf } from "./computed.js
 import { Controls } from "./controls.js";
 import { courseOf, modeAt, MODES, platoonsAt } from "./course.js";
 import { Curves } from "./curves.js";
-import { byId, element, fill } from "./elements.js";
-import { tellFigures, viewOf } from "./figures.js";
+import { byId } from "./elements.js";
 import { Headline } from "./headline.js";
-import { Jobs } from "./jobs.js";
-import { tellDevices, tellValues } from "./lists.js";
+import { tellDevices, tellFigures, tellMeaning, tellValues, viewOf } from "./lists.js";
 import { mattersOf, mattersStudy, tellMatters } from "./matters.js";
 import { Measured, fitTold } from "./measured.js";
-import { tellMeaning } from "./meaning.js";
+import { designOf, fromLink, pictureOf, toLink } from "./link.js";
 import { Notice } from "./notice.js";
 import { complete } from "./opening.js";
 import { Optimum } from "./optimum.js";
@@ -26,22 +24,20 @@ import { LETTERS, Pins } from "./pins.js";
 import { tellMoves } from "./plate.js";
 import { Player } from "./player.js";
 import { QUESTIONS, begun } from "./questions.js";
-import { isSet, takes, withSet } from "./sets.js";
-import { Refusal, get } from "./service.js";
+import { STROKE, isSet, takes, takesBoth, withSet } from "./sets.js";
+import { Refusal, abandon, get } from "./service.js";
 import { tellSheet } from "./sheet.js";
 import { Stage } from "./stage.js";
 import { COARSE, Derived, Store, batch, effect, untracked } from "./store.js";
-import { STROKE, takesBoth } from "./stroke.js";
 import { Surface, surfaceStudy } from "./surface.js";
-import { designOf, fromLink, frozen, pictureOf, toLink, unusual } from "./view.js";
-import { Waves } from "./waves.js";
+import { frozen, unusual } from "./view.js";
+import { tellWaves } from "./waves.js";
 import { capital, duration, learn, number, valuesTold, words } from "./words.js";
 
 // What of a view asks for other fields, or another picture.
 const OPENED_ANEW = ["kind", "scene", "choice", "set", "recording", "output", "x", "y", "band"];
 const TABS = ["stage", "picture", "detail"];
 const LISTED = new Set(["thesis", "all"]);
-const HOP = 1e-9; // m: what is lower is rounding
 
 class Page {
   constructor() {
@@ -49,14 +45,10 @@ class Page {
     this.notice = new Notice(byId("notice"));
     this.catalogue = new Catalogue((path) => this.notice.persist(() => get(path)));
     this.source = new Source();
-    this.isReady = false; // the service has said what scenes there are
     this.isStepped = false; // a step of this page can be undone by going back
-    this.asked = null; // a question that was chosen before
     this.opening = null; // what is being opened
-    this.drawn = null; // the values that are drawn, what they are of, and what is drawn with them
-    this.drawnIn = "";
-    this.extra = null;
-    /** @type {Curves | null} */
+    this.drawn = null; // the values that are drawn
+    this.isDrawnHeld = false; // while something was dragged
     this.curve = null;
     this.derive();
     this.compose();
@@ -67,15 +59,7 @@ class Page {
   derive() {
     const { store, source } = this;
     const persist = (task) => this.notice.persist(task);
-    const noted = (view, how) => ({
-      ...how,
-      tell: (job) => {
-        this.jobs.note(job, this.told(view));
-        how.tell(job);
-      },
-    });
-    const derived = (key, ask) => new Derived(store, { key, ask: (view, scene, how) => ask(view, scene, noted(view, how)), persist });
-    const shows = (view, section) => [...QUESTIONS[view.question].main, ...QUESTIONS[view.question].side].includes(section);
+    const derived = (key, ask) => new Derived(store, { key, ask, persist });
     this.answer = derived(
       (view) => designOf({ ...view, band: null }) + LISTED.has(view.question),
       (view, scene, how) => design(view, scene, how, { isList: LISTED.has(view.question), hasPath: true }),
@@ -85,12 +69,14 @@ class Page {
     const hasSine = (view) => view.question === "waves" && view.set === "ellipse" && view.output === "conveying_velocity" && store.held.value === null;
     this.sine = derived((view) => (hasSine(view) ? designOf({ ...view, band: null }) : null), sineOf);
     const isCoarse = (view) => store.held.value !== null && view.kind === "simulate";
-    this.map = derived((view) => pictureOf({ ...view, band: null }) + (isCoarse(view) ? COARSE : ""), (view, scene, how) => source.map(view, scene, how));
-    const isDrawn = (view) => this.map.state.value.status === "ready" && this.map.state.value.of === pictureOf({ ...view, band: null });
-    this.bandLine = derived((view) => (store.held.value === null && isBanded(view) && !view.y && isDrawn(view) ? pictureOf({ ...view, question: "uncertain" }) : null), bandOver);
-    this.others = derived(
-      (view) => (view.pins?.length && !view.y && isDrawn(view) ? pictureOf({ ...view, band: null }) + JSON.stringify(view.pins) : null),
-      (view, scene, how) => Promise.all(view.pins.map(async (pin, i) => ({ text: `design ${LETTERS[i]}`, found: await source.map({ ...view, values: { ...view.values, ...pin } }, scene, { signal: how.signal }) }))),
+    this.map = derived(
+      (view) => pictureOf({ ...view, band: view.y || !isBanded(view) ? null : view.band }) + (isCoarse(view) ? COARSE : ""),
+      async (view, scene, how) => {
+        const found = await source.map(view, scene, how);
+        if (view.y || how.held || !isBanded(view) || found.asking) return found;
+        how.show(found);
+        return { ...found, ...(await bandOver(view, scene, how)) };
+      },
     );
     this.matters = derived((view, scene) => (store.held.value === null && mattersStudy(view, scene) ? JSON.stringify(mattersStudy(view, scene)) : null), mattersOf);
     this.measured = new Measured(byId("measured"), (runs) => this.setView({ runs }));
@@ -105,16 +91,12 @@ class Page {
           : this.measured.fit(view, scene, how),
     );
     this.resonance = derived(
-      (view, scene) => (shows(view, "resonance") && "frequency" in view.values && this.isAsked(view, scene, "frequency") ? pictureOf({ ...view, x: { name: "frequency", from: 0, to: 0 }, y: null, band: null }) : null),
+      (view, scene) => (view.question === "springs" && scene.outputs.find(({ name }) => name === view.output).asks.includes("frequency") ? pictureOf({ ...view, x: { name: "frequency", from: 0, to: 0 }, y: null, band: null }) : null),
       (view, _, how) => {
         const { from, to } = [view.x, view.y].find((axis) => axis?.name === "frequency") ?? { from: 20, to: 100 };
         return source.line(view, "frequency", from, to, how);
       },
     );
-  }
-
-  isAsked(view, scene, name) {
-    return Boolean(scene.outputs.find((one) => one.name === view.output)?.asks.includes(name));
   }
 
   // The parts of the page, and what they do.
@@ -126,10 +108,6 @@ class Page {
       return { [view.x.name]: x, ...(view.y && y !== undefined && y !== null ? { [view.y.name]: y } : {}) };
     };
     this.headline = new Headline();
-    this.jobs = new Jobs(byId("jobs"), (link) => {
-      location.hash = link;
-      byId("headline").focus();
-    });
     this.controls = new Controls(setView);
     this.picture = new Picture({
       onpick: (at) => move(point(at), { isOver: true }),
@@ -140,12 +118,7 @@ class Page {
     byId("panels-host").prepend(this.panels.svg);
     this.player = new Player((time, turns) => this.moment(time, turns));
     new ResizeObserver(() => requestAnimationFrame(() => this.drawPanels())).observe(byId("panels-host"));
-    this.aspects = new Aspects(byId("aspects"), (name) => {
-      const { surface } = this.view;
-      this.setView(surface ? { surface: { ...surface, wanted: name } } : { output: `let_down_share_${name}` });
-    });
     this.surface = new Surface((surface) => this.setView({ surface }));
-    this.waves = new Waves(byId("waves"), setView);
     this.pins = new Pins(byId("pins"), { persist: (task) => this.notice.persist(task), onpins: (pins) => this.setView({ pins }), onshow: (values) => this.setView({ values: { ...this.view.values, ...values } }) });
     byId("keep").addEventListener("click", () => this.pins.pin(this.view));
     this.optimum = new Optimum(
@@ -155,7 +128,6 @@ class Page {
         setView,
         mark: (marks, whose) => (marks === null ? this.ring() : this.picture.mark(marks, whose)),
         persist: (task) => this.notice.persist(task),
-        tell: (job, view) => this.jobs.note(job, this.told(view)),
         pin: (designs) => this.pins.pin(this.view, designs),
       },
     );
@@ -163,8 +135,6 @@ class Page {
       study: (what) => (what === "best" ? this.optimum.study() : this.view.surface ? surfaceStudy(this.view) : this.source.study(this.view)),
       picture: () => (this.view.question === "drive" && this.optimum.front) || this.picture.drawing,
       told: () => ({ title: `${byId("headline").textContent} ${capital(words(this.view.output))}`, lines: [valuesTold(this.view, this.store.scene.value)], link: location.href }),
-      tell: (job) => this.jobs.note(job, this.told(this.view)),
-      hasBest: () => this.view.question === "drive",
     });
     byId("skip").addEventListener("click", (event) => {
       event.preventDefault(); // the address is that of the view
@@ -225,6 +195,7 @@ class Page {
     const waiting = this.notice.away.value;
     const { status, value } = this.sine.state.value;
     const sine = status === "ready" ? value : null;
+    const search = view.question === "drive" ? this.optimum.searching(view) : null;
     let answer = null;
     let shown = state;
     if (fit && fit.status !== "none") {
@@ -233,14 +204,15 @@ class Page {
     } else if (found) answer = answerTo({ view, scene, dataset: found.dataset, band: isBand ? band.value : null, matters, sine, field });
     if (view.question === "drive" && answer) answer = { ...answer, strip: null, unit: `${answer.unit}${this.optimum.gain(view, valueOf(found.dataset, view.output))}` };
     untracked(() => {
-      this.headline.show(shown, answer, { odd: this.oddity(view, scene), actions: this.actionsFor(view, shown, fit, waiting), waiting });
+      this.headline.show(shown, answer, { odd: this.oddity(view, scene), actions: this.actionsFor(view, shown, { fit, waiting, search }), waiting });
       if (["failed", "ready"].includes(state.status)) this.controls.complain(state.errors ?? []);
     });
   }
 
   // One click that helps, where there is no answer.
-  actionsFor(view, state, fit, waiting) {
+  actionsFor(view, state, { fit, waiting, search }) {
     if (waiting) return [{ text: "Ask now", onclick: () => this.notice.now() }];
+    if (search) return [{ text: "Cancel the search", onclick: () => search.cancel("Cancelled.") }];
     if (state.status === "computing" && state.job) return [{ text: "Cancel", onclick: () => (fit ? this.fit : this.answer).cancel("Cancelled.") }];
     if (fit?.value && Math.abs(view.values[fit.value.name] - fit.value.value) > 5e-4 * fit.value.value) {
       return [{ text: `Use ${Number(fit.value.value.toPrecision(3))} as the ${words(fit.value.name)}`, onclick: () => this.controls.set(fit.value.name, Number(fit.value.value.toPrecision(4))) }];
@@ -265,37 +237,23 @@ class Page {
   renderMap(view) {
     const state = this.map.state.value;
     const waiting = this.notice.away.value;
-    const [band, others] = [this.bandLine, this.others].map((one) => one.state.value);
     const answer = this.answer.state.value;
     untracked(() => {
       const isHeld = this.store.held.peek() !== null;
       const unit = this.store.scene.peek().outputs.find(({ name }) => name === view.output)?.unit;
       if (state.value && unit) state.value.z.unit = unit; // shares are told in per cent
-      if (state.value && (this.drawn !== state.value || this.drawnIn !== this.kindOf(view) + isHeld)) {
+      if (state.value && (this.drawn !== state.value || this.isDrawnHeld !== isHeld)) {
         this.picture.show(state.value, view, { isMoving: isHeld, isRough: state.isPartial || (state.status === "asking" && Boolean(state.value)) });
-        [this.drawn, this.drawnIn, this.extra] = [state.value, this.kindOf(view) + isHeld, null];
+        [this.drawn, this.isDrawnHeld] = [state.value, isHeld];
       }
-      const isOf = state.status === "ready" && !isHeld;
-      if (isOf && band.status === "ready" && this.extra !== band.value) {
-        this.extra = band.value;
-        this.picture.showBand(state.value, band.value);
-      }
-      if (isOf && others.status === "ready" && this.extra !== others.value) {
-        this.extra = others.value;
-        this.picture.showOthers(state.value, others.value);
-      }
-      this.tellMap(state, waiting, [band, others].some(({ status }) => status === "computing"));
+      this.tellMap(state, waiting);
       this.ring(answer.status === "ready" && !answer.isLate ? answer.value : null);
     });
   }
 
-  kindOf(view) {
-    return [view.scene, view.kind, view.choice, view.output, view.x.name, view.y?.name].join();
-  }
-
-  tellMap(state, waiting, isMore) {
+  tellMap(state, waiting) {
     const host = byId("picture");
-    host.setAttribute("aria-busy", String(state.status === "computing" || isMore || this.opening !== null));
+    host.setAttribute("aria-busy", String(state.status === "computing" || this.opening !== null));
     const again = { text: "Compute", onclick: () => this.map.again() };
     const agree = { text: "Compute it", onclick: () => this.map.again({ isAgreed: true }) };
     const cancel = { text: "Cancel", onclick: () => this.map.cancel("Cancelled.") };
@@ -338,7 +296,8 @@ class Page {
       byId("frame").classList.toggle("surfaced", Boolean(view.surface));
       this.controls.lift(isOf && view.kind === "simulate" ? valueOf(dataset, "throw_number") : null);
       if (view.question === "resting") {
-        this.aspects.show(view, dataset, state.isLate);
+        const want = (name) => this.setView(view.surface ? { surface: { ...view.surface, wanted: name } } : { output: `let_down_share_${name}` });
+        tellAspects(byId("aspects"), view, dataset, state.isLate, want);
         this.surface.show(view);
         this.tellOnward(view, isOf ? valueOf(dataset, view.output) : null);
       }
@@ -354,14 +313,11 @@ class Page {
   // What a line would make of the part.
   tellOnward(view, share) {
     const { length, width, height } = view.values;
+    const [told, open] = byId("onward").children;
     byId("onward").hidden = !(share >= 0) || view.choice !== "box" || !view.output.includes("_share_");
+    told.textContent = `One part a second arrives: ${Math.round(60 * share)} a minute ${liesTold(view.output.replace(/^.*_share_/, ""))}.`;
     const line = begun("orienting");
-    const open = () => this.open({ ...line, values: { ...line.values, length, width, height } }, { isStep: true });
-    fill(
-      byId("onward"),
-      element("p", {}, `One part a second arrives: ${Math.round(60 * share)} a minute ${liesTold(view.output.replace(/^.*_share_/, ""))}.`),
-      element("button", { type: "button", onclick: open }, "What leaves my line?"),
-    );
+    open.onclick = () => this.open({ ...line, values: { ...line.values, length, width, height } }, { isStep: true });
   }
 
   courseOf(dataset) {
@@ -401,11 +357,10 @@ class Page {
       byId("resonance").classList.toggle("stale", state.isLate);
       if (this.curveOf !== state.value) {
         this.curveOf = state.value;
-        const values = Array.from(state.value.x.values, (_, i) => state.value.z.at(i));
-        this.curve.show({ x: state.value.x, lines: [{ name: state.value.z.name, unit: state.value.z.unit, values }], regime: null });
+        this.curve.show({ ...state.value, regime: null });
       }
       const natural = answer.value ? valueOf(answer.value.dataset, "natural_frequency") : null;
-      this.curve.mark([{ x: view.values.frequency, text: "the drive" }, ...(Number.isFinite(natural) ? [{ x: natural, text: "the springs", isLow: true }] : [])], "drive");
+      this.curve.mark([{ x: view.values.frequency, text: "the drive" }, ...(Number.isFinite(natural) ? [{ x: natural, text: "the springs" }] : [])], "drive");
     });
   }
 
@@ -417,15 +372,14 @@ class Page {
       if (location.hash !== this.link) this.restore();
     });
     get("/healthz").then(({ version }) => (byId("version").textContent = version), () => {});
-    this.isReady = true;
-    await (this.asked ? this.ask(this.asked) : this.restore());
+    addEventListener("pagehide", abandon);
+    await this.restore();
   }
 
-  // Open what a question begins with; one that is chosen while the page opens waits for the scenes.
-  async ask(question) {
-    if (!this.isReady) this.asked = question;
-    else if (question === "thesis") await this.openFigure("fig-5-1");
-    else await this.open(begun(question), { isStep: true });
+  // Open what a question begins with: as its link does, once the scenes are known.
+  ask(question) {
+    this.isStepped = true;
+    location.hash = `#question=${question}`;
   }
 
   async restore() {
@@ -452,12 +406,6 @@ class Page {
     const figures = await this.catalogue.figures();
     const chosen = figures.find((one) => one.name === name) ?? figures[0];
     await this.open(viewOf(chosen), { complaints, isStep });
-  }
-
-  // A view in the list of jobs: what it shows, its values, and the link that opens it.
-  told(view) {
-    const axes = [view.x, view.y].filter(Boolean).map(({ name }) => words(name));
-    return { title: `${words(view.output)} over ${axes.join(" and ")}`, told: valuesTold(view, this.store.scene.peek()), link: toLink(view) };
   }
 
   // The one way in which a view changes: the address, the fields and every picture follow. `held` while a slider or a
@@ -547,6 +495,7 @@ class Page {
     if (view.question !== "drive") this.optimum.leave();
     byId("wishes").hidden = view.question !== "drive";
     byId("limits").hidden = view.question !== "drive";
+    byId("away-menu").classList.toggle("of-best", view.question === "drive");
     this.tellQuestions(view.question);
     byId("headline").textContent = byId("choose-question").selectedOptions[0].text;
     this.drawn = null;
@@ -554,7 +503,7 @@ class Page {
     byId("picture").classList.toggle("stale", Boolean(before));
     this.controls.show(view, this.catalogue.scenes, scene);
     if (view.question === "drive") this.optimum.show(view, scene, isKept || (isSwitching && this.optimum.isKept));
-    if (view.question === "waves") this.waves.show(view);
+    if (view.question === "waves") tellWaves(byId("waves"), view, (patch) => this.setView(patch));
     const isMeasured = view.question === "measured" && view.kind === "simulate" && Boolean(view.runs);
     byId("measured").hidden = !isMeasured;
     if (isMeasured) this.measured.show(view, scene);

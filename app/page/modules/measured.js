@@ -1,8 +1,7 @@
 // "What did I measure?": speeds that were measured, and the parameter that explains them, with its interval.
 
 import { element, fill } from "./elements.js";
-import { choiceField, numberInput } from "./fields.js";
-import { fieldText, readNumber } from "./numbers.js";
+import { choiceField, fieldText, numberInput, readNumber } from "./fields.js";
 import { carryOut } from "./service.js";
 import { signal } from "./store.js";
 import { givenValues } from "./view.js";

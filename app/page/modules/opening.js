@@ -7,26 +7,28 @@ import { capital, words } from "./words.js";
 const FIRST_OUTPUTS = ["conveying_velocity", "drift_velocity", "acceleration_x", "track_amplitude"];
 const FIRST_AXES = ["amplitude", "beta"];
 
-// A name that may be anybody's, as it is told.
-const told = (name) => words(name).slice(0, 60);
+// What is said of a part of a view by a name that may be anybody's.
+export function misfit(name) {
+  return `${capital(words(name).slice(0, 60))} does not fit this system: it is left out.`;
+}
 
 // A view of a scene made whole, and {of, text} about each part of it that made no sense.
 /** @param {any} wanted @param {any} scene @returns {{view: any, complaints: {of: string, text: string}[]}} */
 export function complete(wanted, scene) {
   const view = { ...wanted, values: { ...wanted.values } };
-  const complaints = [...chooseOutput(view, scene)];
+  const complaints = [];
+  const leave = (of, name) => complaints.push({ of, text: misfit(name) });
+  chooseOutput(view, scene, leave);
   const given = { ...view.values };
   for (const axis of [view.x, view.y]) if (axis) given[axis.name] = axis.from;
   const parameters = shownParameters(scene, view.output, given);
   // A link may name anything, also what every object of JavaScript has.
   const byName = Object.assign(Object.create(null), ...parameters.map((one) => ({ [one.name]: one })));
-  complaints.push(...chooseAxes(view, byName));
+  chooseAxes(view, byName, leave);
   const foreign = Object.keys(view.values).filter((name) => !byName[name]);
-  const leave = (of, text) => complaints.push({ of, text });
-  const notThere = (name) => `${capital(told(name))} is not a parameter of this system.`;
   for (const name of foreign) {
     delete view.values[name];
-    leave(name, notThere(name));
+    leave(name, name);
   }
   for (const { name } of parameters) view.values[name] ??= begunWith(view, byName[name]);
   view.begun = Object.fromEntries(Object.entries(view.begun ?? {}).filter(([name]) => byName[name]));
@@ -34,11 +36,11 @@ export function complete(wanted, scene) {
   if (view.pins) {
     const isOfScene = (pin) => Object.keys(pin).every((name) => scene.parameters.some((one) => one.name === name));
     const pins = view.pins.filter(isOfScene);
-    if (pins.length < view.pins.length) leave("pins", "A kept design is not of this system: the design is left out.");
+    if (pins.length < view.pins.length) leave("pins", "a kept design");
     view.pins = pins;
   }
   if (view.band && !Object.hasOwn(view.values, view.band.name)) {
-    leave("band", notThere(view.band.name));
+    leave("band", view.band.name);
     view.band = null;
   }
   return { view, complaints };
@@ -51,17 +53,11 @@ function begunWith({ x, y }, parameter) {
   return axis && (value <= axis.from || value >= axis.to) ? (axis.from + axis.to) / 2 : value;
 }
 
-function chooseOutput(view, scene) {
+function chooseOutput(view, scene, leave) {
   const known = pictured(scene).map(({ name }) => name);
-  if (known.includes(view.output)) return [];
-  const asked = view.output;
+  if (known.includes(view.output)) return;
+  if (view.output) leave("output", view.output);
   view.output = FIRST_OUTPUTS.find((name) => known.includes(name)) ?? known[0];
-  if (!asked) return [];
-  const isConstant = scene.outputs.some(({ name }) => name === asked);
-  const text = isConstant
-    ? `${capital(words(asked))} depends on no parameter, so it cannot be drawn: choose another output.`
-    : `This system has no output ${told(asked)}.`;
-  return [{ of: "output", text }];
 }
 
 // The outputs that depend on a parameter at least.
@@ -69,30 +65,20 @@ export function pictured(scene) {
   return scene.outputs.filter(({ asks }) => asks.length);
 }
 
-function chooseAxes(view, byName) {
-  const complaints = [];
+function chooseAxes(view, byName, leave) {
   if (Object.keys(byName).length === 1 && view.y) Object.assign(view, { x: view.y, y: null });
   const names = [...FIRST_AXES, ...Object.keys(byName)];
   const ofSet = isSet(view.set) ? SETS[view.set] : {}; // those that show most of a drive or a row
   for (const place of ["x", "y"]) {
     const axis = view[place];
-    if (axis && !byName[axis.name]) {
-      complaints.push({ of: place, text: `${capital(told(axis.name))} is not a parameter of this system, so it cannot be an axis.` });
+    if (axis && (!byName[axis.name] || (place === "y" && axis.name === view.x?.name))) {
+      leave(place, axis.name);
       view[place] = undefined;
-    } else if (axis && place === "y" && axis.name === view.x.name) {
-      complaints.push({ of: place, text: `${capital(told(axis.name))} cannot be both the horizontal and the vertical axis.` });
-      view.y = undefined;
     }
-    if (view[place] === undefined || (place === "x" && !view.x)) {
-      const other = place === "x" ? view.y?.name : view.x?.name;
-      const name = [ofSet[place], ...names].find((one) => byName[one] && one !== other);
-      if (!name) {
-        view[place] = null;
-        continue;
-      }
-      const [from, to] = usual(byName[name]);
-      view[place] = { name, from, to };
-    }
+    if (view[place] || (place === "y" && view.y === null)) continue;
+    const other = place === "x" ? view.y?.name : view.x?.name;
+    const name = [ofSet[place], ...names].find((one) => byName[one] && one !== other);
+    const [from, to] = name ? usual(byName[name]) : [];
+    view[place] = name ? { name, from, to } : null;
   }
-  return complaints;
 }

@@ -1,13 +1,12 @@
 // The best drive: chips of what may be meant by it, the flight of the design to it, and what holds it back.
 
-import { isBent } from "./answer.js";
 import { bestStudy, nearestTo, searched, variablesOf } from "./best.js";
 import { carryOut } from "./service.js";
 import { design, studyWith, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { button } from "./fields.js";
-import { Front } from "./front.js";
-import { marginsTold, ratesTold, statusTold } from "./margin.js";
+import { Front } from "./curves.js";
+import { marginsTold, statusTold } from "./optima.js";
 import { Derived, effect, untracked } from "./store.js";
 import { givenValues } from "./view.js";
 import { Wishes } from "./wishes.js";
@@ -31,7 +30,7 @@ const CHIPS = {
   },
   robust: {
     title: "Robust",
-    fits: (view) => Boolean(view.band) && view.best.kind === "maximise" && view.band.name in view.values,
+    fits: (view) => Boolean(view.band) && !["pareto", "reach"].includes(view.best.kind) && view.band.name in view.values,
     wish: (best) => ({ ...best, isRobust: true, limits: withoutLevel(best.limits) }),
   },
 };
@@ -42,6 +41,7 @@ function titleOf(chip, view) {
   if (chip !== "fastest") return CHIPS[chip].title;
   if (view.best.kind === "pareto") return "Trade-off";
   if (view.best.kind === "minimise") return "Smallest";
+  if (view.best.kind === "reach") return "Nearest";
   return SPEEDS.has(view.output) ? CHIPS[chip].title : "Largest";
 }
 
@@ -60,7 +60,7 @@ export class Optimum {
    * the picture, `ring()` draws the design's where it is.
    * @param {import("./store.js").Store} store @param {any} hosts @param {any} how
    */
-  constructor(store, hosts, { setView, mark, persist, tell, pin }) {
+  constructor(store, hosts, { setView, mark, persist, pin }) {
     this.store = store;
     this.hosts = hosts;
     this.setView = setView;
@@ -73,13 +73,7 @@ export class Optimum {
     const derived = (key, ask) =>
       new Derived(store, {
         key: (view, scene) => (view.question === "drive" && view.best ? key(view, scene) : null),
-        ask: (view, scene, how) => {
-          const hear = (job) => {
-            how.tell(job);
-            tell(job, view);
-          };
-          return ask(view, scene, { ...how, tell: hear });
-        },
+        ask,
         persist,
       });
     const wished = (view, chip) => ({ ...view, best: CHIPS[chip].wish(view.best) });
@@ -117,6 +111,12 @@ export class Optimum {
 
   chosen(view) {
     return this.states?.[chipOf(view.best)]?.state;
+  }
+
+  // The search for the best while it runs as a job, else null.
+  searching(view) {
+    const search = this.states[chipOf(view.best)];
+    return search.state.value.status === "computing" && search.state.value.job ? search : null;
   }
 
   // The best design that is chosen, or null.
@@ -209,6 +209,8 @@ export class Optimum {
     this.applied = null;
     this.isKept = false;
     this.setView({ best: { ...best, isFound: true } });
+    const search = this.states[chipOf(best)];
+    if (search.state.value.status === "failed") search.again();
   }
 
   // Take the design that was found, once: the ring travels to it.
@@ -287,6 +289,9 @@ export class Optimum {
     const marks = [];
     if (before && view.x.name in before) marks.push({ ...mark({ ...view.values, ...before }, `before ${told(valueBefore, unitOf(view.output))}`), isEnd: true, to: best.at });
     if (!isAt) marks.push(mark(best.at, `best ${told(best.values[view.output].value, unitOf(view.output))}`));
+    const still = this.states.still.state.value;
+    const [quiet] = still.status === "ready" && chipOf(view.best) !== "still" ? still.value : [];
+    if (quiet?.isThere) marks.push({ ...mark({ ...view.values, ...quiet.at }, `no hop ${told(quiet.values[view.output].value, unitOf(view.output))}`), isEnd: true });
     this.mark(marks, "best");
     const names = [...new Set([...Object.keys(best.at), ...["frequency"].filter((name) => name in view.values)])];
     const [outputs, values] = [TOLD.filter((name) => name in best.values || name === view.output), { ...view.values, ...best.at }];
@@ -308,7 +313,6 @@ export class Optimum {
       ),
       element("h3", {}, "What holds it back?"),
       element("p", {}, `${statusTold(best.status)} ${held.join(" ")}`),
-      ratesTold(best),
       element(
         "div",
         { class: "buttons" },
@@ -328,24 +332,28 @@ export class Optimum {
     return times > 1.05 ? `, ${number(times, times < 10 ? 2 : 3)} times as fast` : "";
   }
 
-  tellFront(view, designs) {
+  // All best trade-offs as a line beside the map; the one at its cursor is marked in the map.
+  tellFront(view, found) {
     const { scene } = this;
-    const { against } = view.best;
-    const names = variablesOf(view);
-    const units = (name) => unitIn(scene, name);
+    const { output, best } = view;
+    const { against } = best;
+    const size = ({ values }) => Math.abs(values[against].value);
+    const designs = [...found].sort((one, other) => size(one) - size(other));
     const host = element("div", {});
-    const bent = isBent(designs, view.output, against);
+    const tell = (index) => {
+      const { values, regime, at } = designs[index];
+      const chosen = variablesOf(view).map((name) => `${words(name)} ${withUnit(at[name], unitIn(scene, name))}`);
+      return [...[output, against].map((name) => `${words(name)} ${withUnit(values[name].value, values[name].unit)}`), ...chosen, words(regime.name)];
+    };
     const look = (index) => {
-      if (this.front.at === index) return;
-      this.front.highlight(index);
-      this.marks = designs.map(({ at, regime }, i) => ({ x: at[view.x.name], y: view.y ? at[view.y.name] : null, text: i === index ? (designs[i].isKnee && bent ? "knee" : "chosen") : "", regime: regime.name, isSmall: i !== index }));
+      this.marks = designs.map(({ at, regime }, i) => ({ x: at[view.x.name], y: view.y ? at[view.y.name] : null, text: i === index ? "chosen" : "", regime: regime.name, isSmall: i !== index }));
       this.mark(this.marks, "best");
       fill(this.hosts.told, element("h3", {}, "What holds it back?"), element("p", {}, marginsTold(designs[index], scene).join(" ")));
     };
     this.hosts.front.hidden = false;
     fill(this.hosts.front, element("h3", {}, "The trade-off"), element("p", { class: "pale" }, `${designs.length} drives: no other drive is better in both outputs. A click or Enter shows one.`), host);
-    this.front = new Front(host, { onpoint: look, onpick: (index) => this.go(designs[index].at) });
-    this.front.show({ designs, output: view.output, against, scene, names, units, isBent: bent });
-    look(Math.max(0, designs.findIndex(({ isKnee }) => isKnee)));
+    const first = Math.max(0, designs.findIndex(({ isKnee }) => isKnee));
+    this.front = new Front(host, { designs, output, against, first, tell, onpoint: look, onpick: (index) => this.go(designs[index].at) });
+    look(first);
   }
 }

@@ -7,9 +7,7 @@ import { capital, number, shown } from "./words.js";
 const PANEL = 88; // px
 const CURVE = 60; // px, of its height
 const OF_ROW = 2.5; // times as high: there is one
-const TITLE = 20; // px, above the bars of a row
-const BAR = 14; // px, for the bar of two neighbours
-const LEFT = 44; // px
+const LEFT = 52; // px
 const PHASES = 30; // px, of what the part does, above the curves
 const RIGHT = 8; // px
 const LEAST = 280; // px
@@ -36,12 +34,10 @@ export class Panels {
     this.width = Math.max(LEAST, this.svg.clientWidth);
     this.tall = course.row ? OF_ROW : 1;
     const top = course.row ? 0 : PHASES;
-    const curves = this.tall * PANEL * panels.length;
-    const height = top + curves + (course.row ? TITLE + BAR * course.row.closed.length : 0);
+    const height = top + this.tall * PANEL * panels.length;
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${height}`);
     this.now = drawn("line", { y1: 0, y2: height, class: "now" });
-    const more = course.row ? this.touching(course, curves) : this.phases(course);
-    fill(this.svg, ...more, ...panels.flatMap((panel, place) => this.panel(panel, top + place * PANEL)), this.now);
+    fill(this.svg, ...(course.row ? [] : this.phases(course)), ...panels.flatMap((panel, place) => this.panel(panel, top + place * PANEL)), this.now);
   }
 
   across(time) {
@@ -68,10 +64,10 @@ export class Panels {
     const [low, high] = [Math.min(...all), Math.max(...all)];
     const largest = Math.max(Math.abs(low), Math.abs(high));
     const [factor, unitShown] = unit === "m" && largest < SMALL ? [1e6, "µm"] : shown(unit);
-    const size = factor * largest;
+    const step = 10 ** (Math.floor(Math.log10(factor * largest || 1)) - 2); // what is smaller is not told
     const tall = this.tall * PANEL - (PANEL - CURVE);
     const up = (value) => top + tall - ((value - low) / (high - low || 1)) * tall;
-    const end = (value) => drawn("text", { x: LEFT - 8, y: up(value) + 4, "text-anchor": "end" }, number(value * factor, 2, size));
+    const end = (value) => drawn("text", { x: LEFT - 8, y: up(value) + 4, "text-anchor": "end" }, number(Math.round((value * factor) / step) * step, 2));
     const zero = low < 0 && high > 0 ? [drawn("line", { x1: LEFT, x2: this.width - RIGHT, y1: up(0), y2: up(0), class: "level" })] : [];
     return [
       drawn("text", { x: LEFT + 6, y: top - 6, class: "pale" }, `${capital(name)}, ${unitShown}`),
@@ -80,17 +76,6 @@ export class Panels {
       end(low),
       ...lines.flatMap((one) => this.line(one, up)),
     ];
-  }
-
-  // While which neighbours of a row touch, a line of bars for each two.
-  touching({ times, row }, above) {
-    const bars = row.closed.flatMap((closed, i) => {
-      const y = above + TITLE + BAR * (i + 0.5);
-      const name = drawn("text", { x: LEFT - 6, y: y + 4, "text-anchor": "end" }, `${i + 1}, ${i + 2}`);
-      const touches = stretches(closed).filter(([from]) => closed[from]);
-      return [name, ...touches.map(([from, to]) => drawn("line", { x1: this.across(times[from]), x2: this.across(times[to]), y1: y, y2: y, class: "touching" }))];
-    });
-    return [drawn("text", { x: LEFT, y: above + TITLE - 6, class: "label" }, "Neighbours that touch"), ...bars];
   }
 
   line({ values, modes, stroke }, up) {

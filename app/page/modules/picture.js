@@ -3,8 +3,8 @@
 import { Curves } from "./curves.js";
 import { byId, element, fill } from "./elements.js";
 import { legendOf, lookOf, occurring } from "./legend.js";
+import { pictureOf } from "./link.js";
 import { HeatMap } from "./map.js";
-import { pictureOf } from "./view.js";
 import { capital, number, withUnit, words } from "./words.js";
 
 export class Picture {
@@ -37,12 +37,7 @@ export class Picture {
       for (const [whose, marks] of Object.entries(this.marks)) this.mark(marks, whose);
       this.drawing.points?.(this.measured);
     }
-    const { look } = this;
-    if (kind === "map") this.drawing.show({ ...found, look }, { isMoving, isRough });
-    else {
-      this.lines = [{ name: found.z.name, unit: found.z.unit, values: Array.from(found.x.values, (_, i) => found.z.at(i)) }];
-      this.drawing.show({ x: found.x, lines: this.lines, regime: found.regime, look });
-    }
+    this.drawing.show({ ...found, look: this.look }, { isMoving, isRough });
     this.tellRegimes(found);
   }
 
@@ -57,20 +52,6 @@ export class Picture {
     this.offered = offered;
     const button = action && element("button", { type: "button", onclick: () => this.onclick() }, action.text);
     fill(byId("stale"), reason ? this.reason : null, reason ? button : null);
-  }
-
-  // The band of a line, {low, high}, or null.
-  showBand(found, band) {
-    this.lines = [{ ...this.lines[0], ...band }];
-    this.drawing.show({ x: found.x, lines: this.lines, regime: found.regime, look: this.look });
-  }
-
-  // Lines of other designs over the same axis, of {text, found}.
-  showOthers(found, others) {
-    if (found.y || !others.length) return;
-    const along = (one) => Array.from(one.x.values, (_, i) => one.z.at(i));
-    const lines = others.map((one) => ({ ...one.found.z, label: one.text, values: along(one.found) }));
-    this.drawing.show({ x: found.x, lines: [...this.lines, ...lines], regime: found.regime, look: this.look });
   }
 
   // Points to be marked, of {x, y, text}, by whoever sets them.

@@ -4,7 +4,8 @@ import { design, flagOf, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { button } from "./fields.js";
 import { Refusal } from "./service.js";
-import { MAX_PINS, givenValues } from "./view.js";
+import { MAX_PINS } from "./link.js";
+import { givenValues } from "./view.js";
 import { capital, label, number, shown, words } from "./words.js";
 
 export const LETTERS = ["A", "B", "C", "D"];
@@ -17,7 +18,6 @@ export class Pins {
     this.onpins = onpins;
     this.persist = persist;
     this.onshow = onshow;
-    this.known = new Map(); // study as text -> promise of what a part does there
   }
 
   // Keep designs, each once, the last ones where there are too many.
@@ -40,17 +40,10 @@ export class Pins {
 
   // What a part does with these values, or null where the service refuses them.
   done(view, scene, values) {
-    const text = JSON.stringify([view.scene, view.kind, view.choice, values]);
-    if (!this.known.has(text)) {
-      const own = givenValues({ ...view, values });
-      const asked = this.persist(() => design(view, scene, {}, { values: own })).catch((error) => {
-        this.known.delete(text);
-        if (error instanceof Refusal) return null;
-        throw error;
-      });
-      this.known.set(text, asked);
-    }
-    return this.known.get(text);
+    return this.persist(() => design(view, scene, {}, { values: givenValues({ ...view, values }) })).catch((error) => {
+      if (error instanceof Refusal) return null;
+      throw error;
+    });
   }
 
   draw(view, scene, designs, found) {

@@ -15,8 +15,7 @@ export class Player {
     this.isRunning = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.isHalted = false; // what is shown is not of the view
     this.last = null; // when it was drawn last, while it plays
-    this.awaitsFrame = false;
-    document.addEventListener("visibilitychange", () => this.awake());
+    this.frame = 0; // the next one
     this.parts.play.addEventListener("click", () => this.toggle());
     this.parts.now.addEventListener("input", () => this.course && this.choose((Number(this.parts.now.value) / 100) * cycleOf(this.course)));
   }
@@ -54,21 +53,16 @@ export class Player {
     this.tell();
   }
 
-  // Frames are asked for only while it plays and is seen: else the page rests.
+  // Frames are asked for only while it plays: else the page rests.
   awake() {
     this.parts.play.textContent = this.isRunning ? "Pause" : "Play";
-    if (this.awaitsFrame || !this.plays()) return;
-    this.awaitsFrame = true;
-    requestAnimationFrame((now) => this.tick(now));
-  }
-
-  plays() {
-    return this.course !== null && this.isRunning && !this.isHalted && !document.hidden;
+    cancelAnimationFrame(this.frame);
+    this.last = null;
+    if (this.course && this.isRunning && !this.isHalted) this.frame = requestAnimationFrame((now) => this.tick(now));
   }
 
   tick(now) {
-    this.awaitsFrame = false;
-    if (this.plays() && this.last !== null) {
+    if (this.last !== null) {
       const cycle = cycleOf(this.course);
       const next = this.time + (now - this.last) / 1000 / Number(this.parts.slow.value);
       const turns = Math.floor(next / cycle);
@@ -76,7 +70,7 @@ export class Player {
       this.turns += turns;
       this.tell();
     }
-    this.last = this.plays() ? now : null;
-    this.awake();
+    this.last = now;
+    this.frame = requestAnimationFrame((later) => this.tick(later));
   }
 }

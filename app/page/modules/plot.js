@@ -1,9 +1,9 @@
 // A picture with two axes: its box, a cursor by pointer and keys, and a sentence on what the cursor meets.
 
 import { FRAME } from "./axes.js";
-import { drawn, element, fill } from "./elements.js";
-import { svgDocument } from "./exported.js";
-import { capital } from "./words.js";
+import { arrowOf, drawn, element, fill } from "./elements.js";
+import { barDrawn } from "./legend.js";
+import { capital, number, words } from "./words.js";
 
 const { leastIndex } = /** @type {any} */ (window).d3;
 
@@ -32,18 +32,12 @@ export class Plot {
       this.svg,
     );
     fill(host, this.box, ...after, this.said);
-    /** @type {any} */
     this.data = null;
-    /** @type {any} */
     this.cursor = null; // {x, y}, values of the axes: the next picture may have other cells
     this.marks = {}; // by who sets them
-    /** @type {any} */
     this.regimes = [];
-    /** @type {any} */
     this.x = null; // axes
-    /** @type {any} */
     this.y = null;
-    /** @type {any} */
     this.size = null; // of the box: to ask for it in each frame has the page laid out anew
     const resize = () => {
       this.size = null;
@@ -94,17 +88,16 @@ export class Plot {
   }
 
   press(event) {
-    const step = event.shiftKey ? 10 : 1;
-    const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-    if (event.key !== "Enter" && !moves[event.key]) return;
+    const steps = arrowOf(event);
+    if (event.key !== "Enter" && !steps) return;
     event.preventDefault();
     const { x, y } = this.data;
     const at = (axis, place) => axis && axis.values[Math.max(0, Math.min(axis.values.length - 1, place))];
     const half = (axis) => axis && axis.values[Math.round((axis.values.length - 1) / 2)];
     this.cursor ??= { x: half(x), y: half(y) };
-    if (event.key === "Enter") return this.onpick(this.cursor);
+    if (!steps) return this.onpick(this.cursor);
     const { i, j } = this.cell();
-    this.move({ x: at(x, i + step * moves[event.key][0]), y: at(y, j + step * moves[event.key][1]) });
+    this.move({ x: at(x, i + steps[0]), y: at(y, j + steps[1]) });
   }
 
   // Show the cursor, and say what is there; null for none.
@@ -140,4 +133,53 @@ export class Plot {
     copy.querySelector(".cursor")?.remove();
     return svgDocument([...before, ...copy.childNodes], { ...this.size, style, told, regimes: this.regimes, ...more });
   }
+}
+
+// A picture as one SVG document, which says by itself what it shows: title, values, colours, regimes.
+const LINE = 18; // px
+const LETTER = 6.6; // px, on average
+const EDGE = 12; // px
+const BAR = 364; // px
+
+// `parts` are elements of a picture of `width` times `height`; `told` is {title, lines, link}; `bar` is
+// {range, name, unit} or null, `regimes` as a legend has them.
+function svgDocument(parts, { width, height, style, told, bar = null, regimes = [] }) {
+  const head = [told.title, ...told.lines.flatMap((line) => wrapped(line, (width - 2 * EDGE) / LETTER))];
+  const top = LINE * head.length + EDGE;
+  const text = (words_, x, y, more = {}) => drawn("text", { x, y, ...more }, words_);
+  const below = [];
+  let at = top + height + 8;
+  if (bar?.range) {
+    below.push(drawn("g", { transform: `translate(${Math.max(0, (width - BAR) / 2)} ${at})` }, barDrawn(bar.range, bar)));
+    at += 3 * LINE;
+  }
+  for (const one of regimes) {
+    below.push(
+      drawn("circle", { cx: EDGE + 6, cy: at + 6, r: 5, class: "marker", fill: one.colour }),
+      text(`${capital(words(one.name))} ${number(100 * one.share, 2)} %`, EDGE + 20, at + 10),
+    );
+    at += LINE;
+  }
+  const made = drawn(
+    "svg",
+    { xmlns: "http://www.w3.org/2000/svg", width, height: at + EDGE },
+    drawn("title", {}, told.title),
+    drawn("desc", {}, told.link),
+    drawn("style", {}, style),
+    drawn("rect", { width, height: at + EDGE, class: "paper" }),
+    ...head.map((line, i) => text(line, EDGE, LINE * (i + 1), i ? {} : { class: "label" })),
+    drawn("g", { transform: `translate(0 ${top})` }, ...parts),
+    ...below,
+  );
+  return new XMLSerializer().serializeToString(made);
+}
+
+// Lines of at most so many letters, broken at commas.
+function wrapped(text, most) {
+  const lines = [""];
+  for (const part of text.split(/(?<=, )/)) {
+    if (lines.at(-1) && lines.at(-1).length + part.length > most) lines.push("");
+    lines[lines.length - 1] += part;
+  }
+  return lines;
 }

@@ -44,7 +44,7 @@ export const QUESTIONS = {
     map: "How would another size lie?",
     main: ["aspects"],
     side: ["surface", "picture", "onward"],
-    sliders: ["length", "width", "height", "diameter", "small_diameter"],
+    sliders: ["length", "width", "height", "diameter", "small_diameter", "centre_of_mass"],
     choice: "Shape",
   },
   drive: {

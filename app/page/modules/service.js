@@ -26,7 +26,6 @@ export function isPassing(error) {
 export const key = {
   get: () => sessionStorage.getItem(KEY) ?? "",
   set: (text) => sessionStorage.setItem(KEY, text),
-  forget: () => sessionStorage.removeItem(KEY),
 };
 
 // The page lies at the root of the service, or under the path where a proxy shows it.
@@ -90,10 +89,10 @@ export async function remove(path) {
   await ask(path, { method: "DELETE" });
 }
 
-// The same of a job as the page goes away, when nobody waits for a reply.
-export function abandon(jobID) {
+// End the jobs that are followed as the page goes away, when nobody waits for a reply.
+export function abandon() {
   const headers = key.get() ? { Authorization: `Bearer ${key.get()}` } : {};
-  fetch(address(`/jobs/${jobID}`), { method: "DELETE", headers, keepalive: true }).catch(() => {});
+  for (const id of followed) fetch(address(`/jobs/${id}`), { method: "DELETE", headers, keepalive: true }).catch(() => {});
 }
 
 export async function file(path, accept) {
@@ -132,25 +131,23 @@ export async function slice(id, output, axes, fixed, signal) {
  * @param {object} study
  * @param {{tell?: (job: any) => void, signal?: AbortSignal}} options
  */
-export async function carryOut(process, study, { tell = () => {}, signal } = {}) {
-  const { status, content } = await posted(`/processes/${process}/execution`, study, { tell, signal });
-  if (status !== 201) {
-    return { dataset: content, job: null, seconds: content.attributes.elapsed_seconds ?? null };
-  }
+export async function carryOut(process, study, { tell, signal } = {}) {
+  const { status, content } = await posted(`/processes/${process}/execution`, study, signal);
+  if (status !== 201) return { dataset: content, seconds: content.attributes.elapsed_seconds ?? null };
   try {
     const job = await follow(content, tell, signal);
     const dataset = await get(`/jobs/${job.jobID}/results/dataset`, { signal });
     const seconds = (Date.parse(job.finished) - Date.parse(job.started)) / 1000;
-    return { dataset, job, seconds: seconds > 0 ? seconds : null };
+    return { dataset, seconds: seconds > 0 ? seconds : null };
   } catch (error) {
-    if (error.name === "AbortError") leave(content, tell, error.message);
+    if (error.name === "AbortError") leave(content);
     throw error;
   }
 }
 
 // A reply that may be a job. One that is on its way as nobody waits for it any more still comes: else its job
 // would have nobody who ends it.
-async function posted(path, study, { tell, signal }) {
+async function posted(path, study, signal) {
   signal?.throwIfAborted();
   const abort = new AbortController();
   const reply = put(path, study, { signal: abort.signal });
@@ -160,68 +157,53 @@ async function posted(path, study, { tell, signal }) {
     return await Promise.race([reply, leaving]);
   } catch (error) {
     if (signal.aborted) {
-      setTimeout(() => abort.abort(signal.reason), ON_ITS_WAY);
-      reply.then(({ status, content }) => status === 201 && leave(content, tell, signal.reason.message), () => {});
+      setTimeout(() => abort.abort(), ON_ITS_WAY);
+      reply.then(({ status, content }) => status === 201 && leave(content), () => {});
     }
     throw error;
   }
 }
 
-// Why nobody waits any more: the reason of a signal.
-export const left = () => new DOMException("The request was cancelled because another view was opened.", "AbortError");
-
 // Have the service end a job that nobody waits for any more, so that others have their turn; where it is
 // away, as soon as it answers.
-async function leave(job, tell, message) {
+async function leave(job) {
   for (;;) {
     try {
-      await remove(`/jobs/${job.jobID}`);
-      tell({ ...job, status: "dismissed", message });
-      return;
+      return await remove(`/jobs/${job.jobID}`);
     } catch (error) {
-      if (!isPassing(error)) return; // it may be over
+      if (!isPassing(error)) return null; // it may be over
     }
-    await new Promise((done) => setTimeout(done, PAUSE));
+    await pause();
   }
 }
 
-// Follow a job to its end by its stream of events; where that breaks, it is opened again.
+// Ask for a job until it is over; `tell` hears of each change.
+/** @param {any} job @param {(job: any) => void} [tell] @param {AbortSignal} [signal] */
 export async function follow(job, tell, signal) {
-  tell(job);
-  while (!OVER.has(job.status)) {
-    try {
-      job = await lastEvent(job, tell, signal);
-    } catch (error) {
-      const isBroken = error instanceof TypeError; // of the stream
-      if (!isPassing(error) && !isBroken) throw error;
-      tell({ ...job, message: "The service does not answer; the page asks again." });
-      await new Promise((done) => setTimeout(done, PAUSE));
+  followed.add(job.jobID);
+  try {
+    let before = "";
+    for (;;) {
+      const now = `${job.message} ${job.progress}`;
+      if (now !== before) tell?.(job);
+      before = now;
+      if (OVER.has(job.status)) break;
+      await pause();
+      signal?.throwIfAborted();
+      job = await get(`/jobs/${job.jobID}`, { signal }).catch((error) => {
+        if (!isPassing(error)) throw error;
+        return { ...job, message: "The service does not answer; the page asks again." };
+      });
     }
-    signal?.throwIfAborted();
+  } finally {
+    followed.delete(job.jobID);
   }
   if (job.status !== "successful") throw new Refusal(200, { detail: job.message });
   return job;
 }
 
 const OVER = new Set(["successful", "failed", "dismissed"]);
-const PAUSE = 1000; // ms
+const PAUSE = 250; // ms
 const ON_ITS_WAY = 300; // ms
-
-async function lastEvent(job, tell, signal) {
-  const headers = { Accept: "text/event-stream" };
-  const reply = await ask(`/jobs/${job.jobID}/events`, { headers, signal });
-  const reader = reply.body.pipeThrough(new TextDecoderStream()).getReader();
-  let rest = "";
-  for (;;) {
-    const { done, value } = await reader.read();
-    if (done) return job;
-    const events = (rest + value).split("\n\n");
-    rest = events.pop();
-    for (const event of events) {
-      const data = event.split("\n").find((line) => line.startsWith("data: "));
-      if (!data) continue;
-      job = JSON.parse(data.slice(6));
-      tell(job);
-    }
-  }
-}
+const followed = new Set(); // the jobs that are waited for
+const pause = () => new Promise((done) => setTimeout(done, PAUSE));

@@ -4,7 +4,7 @@ import { flagOf, valueOf } from "./computed.js";
 import { element, fill } from "./elements.js";
 import { liftOff } from "./answers.js";
 import { partOf } from "./parts.js";
-import { toLink } from "./view.js";
+import { toLink } from "./link.js";
 import { capital, number, withUnit, words } from "./words.js";
 
 export function tellSheet(host, { view, scene, dataset, version }) {
@@ -27,7 +27,7 @@ export function tellSheet(host, { view, scene, dataset, version }) {
     if (output && typeof value === "number") rows.push(row(capital(words(name)), withUnit(value, output.unit, 3)));
   }
   const regime = flagOf(dataset);
-  if (regime && regime !== "not_assessed") rows.push(row("It", words(regime)));
+  if (regime && regime !== "not_assessed") rows.push(row("Motion", words(regime)));
   fill(
     host,
     element("p", { class: "date" }, new Date().toLocaleDateString([], { day: "numeric", month: "long", year: "numeric" })),

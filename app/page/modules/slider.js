@@ -94,54 +94,44 @@ export function sliderField(view, parameter, { onmove, ontake, onremove = null }
 }
 
 // Two ends of what may be chosen, on one line: `ontake(from, to)` hears.
-export function rangeField(axis, parameter, ontake) {
+export function rangeField(text, axis, parameter, ontake) {
   const { name, unit } = parameter;
-  const [low, high] = usual(parameter);
-  const range = places(Math.min(low, axis.from), Math.max(high, axis.to));
-  const at = (value) => Math.round(((value - range.from) / (range.to - range.from)) * (range.num - 1));
+  const [least, most] = usual(parameter);
+  const [low, high] = [Math.min(least, axis.from), Math.max(most, axis.to)];
+  const step = (high - low) / 100;
   const ends = [axis.from, axis.to];
-  const text = capital(words(name));
-  const taken = (k, value) => {
-    const next = [...ends];
-    next[k] = value;
-    if (next[0] < next[1]) ontake(next[0], next[1]);
-  };
   const track = element("div", { class: "two" });
-  const tell = () => {
-    track.style.setProperty("--from", `${(100 * at(ends[0])) / (range.num - 1)}%`);
-    track.style.setProperty("--at", `${(100 * at(ends[1])) / (range.num - 1)}%`);
-  };
-  const sliders = ["Least", "Largest"].map((which, k) => {
-    const made = element("input", {
+  const tell = () => ["--from", "--at"].forEach((end, k) => track.style.setProperty(end, `${(100 * (ends[k] - low)) / (high - low)}%`));
+  const typed = ["Least", "Largest"].map((which, k) => {
+    const told = `${which} ${words(name)}`;
+    const field = numberInput(told, ends[k], unit, (value) => ontake(...(k ? [ends[0], value] : [value, ends[1]])), {
+      check: (value) => ((k ? value > ends[0] : value < ends[1]) ? "" : "The lower bound has to be below the upper bound"),
+    });
+    const slider = element("input", {
       type: "range",
-      min: 0,
-      max: range.num - 1,
-      "aria-label": `${which} ${words(name)}, slider`,
+      min: low,
+      max: high,
+      step,
+      "aria-label": `${told} (slider)`,
       "aria-valuetext": withUnit(ends[k], unit),
       oninput: () => {
-        const limit = at(ends[1 - k]);
-        made.value = String(k ? Math.max(limit + 1, Number(made.value)) : Math.min(limit - 1, Number(made.value)));
-        ends[k] = range.at(Number(made.value));
-        typed[k].show(ends[k]);
+        const value = Number(slider.value);
+        slider.value = ends[k] = k ? Math.max(ends[0] + step, value) : Math.min(ends[1] - step, value);
+        field.show(ends[k]);
         tell();
       },
-      onchange: () => taken(k, ends[k]),
+      onchange: () => ontake(...ends),
+      value: ends[k],
     });
-    made.value = String(at(ends[k]));
-    return made;
+    track.append(slider);
+    return field;
   });
-  const typed = ["Least", "Largest"].map((which, k) =>
-    numberInput(`${which} ${words(name)}`, ends[k], unit, (value) => taken(k, value), {
-      check: (value) => ((k ? value > ends[0] : value < ends[1]) ? "" : "The lower bound has to be below the upper bound"),
-    }),
-  );
   const [, unitShown] = shown(unit);
-  track.append(...sliders);
   tell();
   return element(
     "div",
     { class: "field bounds" },
-    element("span", { class: "name" }, `${text.replace(" of vibration", "")} may be`),
+    element("span", { class: "name" }, text),
     element("span", { class: "pair" }, element("span", { class: "slot" }, typed[0]), " to ", element("span", { class: "slot" }, typed[1], unitShown ? element("span", { class: "unit" }, unitShown) : null)),
     track,
   );

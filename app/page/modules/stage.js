@@ -2,7 +2,7 @@
 // handles that are dragged, or moved by keys.
 
 import { MODES, PARTS as INKS, between, cycleOf, platoonsAt, stretches } from "./course.js";
-import { drawn, fill } from "./elements.js";
+import { arrowOf, drawn, fill } from "./elements.js";
 import { partDrawn, partOf } from "./parts.js";
 import { endsOf } from "./slider.js";
 import { number, withUnit } from "./words.js";
@@ -18,7 +18,6 @@ export class Stage {
   constructor(host, onmove) {
     this.onmove = onmove;
     this.svg = drawn("svg", { class: "stage", role: "group", "aria-label": "The part on its track, from the side" });
-    /** @type {any} */
     this.shown = null;
     this.size = { width: 0, height: 0 };
     this.enlarged = 0;
@@ -26,13 +25,12 @@ export class Stage {
     this.turns = 0;
     // Of the drawing, in px: where floor, vibration and part are, px a metre of movement, and the size of the part.
     [this.floor, this.pivot, this.across, this.moved, this.wide, this.tall] = [0, 0, 0, 1, 0, 0];
-    /** @type {any} */
     this.part = null;
     fill(host, this.svg);
     this.scenery = drawn("g");
     new ResizeObserver(() => requestAnimationFrame(() => this.redraw())).observe(host);
-    this.vibration = this.handle("Line of vibration: left and right change the amplitude, up and down the angle", (event) => this.dragLine(event), (key, times) => this.keyLine(key, times));
-    this.slope = this.handle("Climb of the track", (event) => this.dragSlope(event), (key, times) => this.keySlope(key, times));
+    this.vibration = this.handle("Line of vibration: left and right change the amplitude, up and down the angle", (event) => this.dragLine(event), (across, up) => this.keyLine(across, up));
+    this.slope = this.handle("Climb of the track", (event) => this.dragSlope(event), (across, up) => this.turn((this.shown.view.values.gamma ?? 0) + 0.5 * (across + up), true));
     // Drawn once: what is dragged stays where it is among the elements.
     this.tilted = drawn("g", {}, this.vibration);
     fill(this.svg, this.scenery, this.tilted, this.slope);
@@ -63,8 +61,11 @@ export class Stage {
     };
     for (const name of ["pointerup", "pointercancel"]) made.addEventListener(name, () => leave({}));
     made.addEventListener("keydown", (event) => {
+      const steps = arrowOf(event);
       if (event.key === "Escape" && this.dragged) leave(this.dragged);
-      else if (press(event.key, event.shiftKey ? 10 : 1)) event.preventDefault();
+      if (!steps) return;
+      event.preventDefault();
+      press(...steps);
     });
     return made;
   }
@@ -145,9 +146,9 @@ export class Stage {
     const parts = [turning, ...this.climb(tilt, slope)];
     const enlarged = this.enlarged > 1 ? `movement ${this.enlarged} times enlarged` : "movement to scale";
     const isNarrow = width < 430;
-    parts.push(drawn("text", { x: isNarrow ? 12 : width - 16, y: this.size.height - 6, "text-anchor": isNarrow ? "start" : "end", class: "pale" }, course ? (isNarrow ? enlarged : `Part to scale, its ${enlarged}`) : "Part to scale, at rest"));
+    parts.push(drawn("text", { x: isNarrow ? 12 : width - 16, y: this.size.height - 6, "text-anchor": isNarrow ? "start" : "end", class: "pale haloed" }, course ? (isNarrow ? enlarged : `Part to scale, its ${enlarged}`) : "Part to scale, at rest"));
     if (!isNarrow && !this.vibration.hasAttribute("hidden")) {
-      parts.push(drawn("text", { x: 16, y: this.size.height - 6, class: "pale" }, "Drag a blue handle, or turn a slider."));
+      parts.push(drawn("text", { x: 16, y: this.size.height - 6, class: "pale haloed" }, "Drag a blue handle, or turn a slider."));
     }
     fill(this.scenery, ...parts);
     this.moment(this.time, this.turns);
@@ -182,7 +183,7 @@ export class Stage {
     const travel = (along.at(-1) - start) * this.moved;
     if (Math.abs(travel) > 3) {
       beneath.push(partDrawn(this.part, this.wide, this.tall, { class: "part later", transform: `translate(${this.across + travel} ${this.floor})` }));
-      const top = this.floor - this.tall - 0.11 * this.size.height;
+      const top = Math.min(this.floor - this.tall - 0.11 * this.size.height, this.at(0, Math.max(...height))[1] - 34);
       const [from, to] = [this.across, this.across + travel].sort((a, b) => a - b);
       made.push(
         drawn("path", { d: `M${from} ${top - 5}V${this.floor - this.tall}M${to} ${top - 5}V${this.floor - this.tall}`, class: "dotted" }),
@@ -242,6 +243,9 @@ export class Stage {
     this.vibration.setAttribute("aria-valuetext", told);
     this.ball = drawn("circle", { cx: pivot, cy: floor, r: 4.5, class: "ball" });
     const isNarrow = this.size.width < 430;
+    // The angle stands beside its arc where neither line nor handle is in its way, else with the amplitude.
+    const isFree = beta < 0 || ((radius + 8) * Math.tan(beta * RADIANS) > 14 && (long * -dy > 29 || radius + 38 < long * dx - 12));
+    const isOne = isNarrow || this.dragged || !isFree;
     const away = `M${pivot} ${floor}L${pivot - long * dx} ${floor - long * dy}`;
     return [
       drawn("path", { d: away, class: "vibration dashed" }),
@@ -249,8 +253,8 @@ export class Stage {
       drawn("path", { d: `M${pivot} ${floor}L${tip[0]} ${tip[1]}`, class: "vibration" }),
       drawn("path", { d: `M${pivot + radius} ${floor}A${radius} ${radius} 0 0 ${beta < 0 ? 1 : 0} ${pivot + radius * dx} ${floor + radius * dy}`, class: "vibration thin plain" }),
       this.ball,
-      drawn("text", { x: isNarrow ? Math.max(96, tip[0] + 6) : tip[0] - 10, y: tip[1] - (this.dragged ? 40 : 20), "text-anchor": isNarrow ? "end" : "middle", class: "blue label" }, isNarrow || this.dragged ? told : withUnit(amplitude, "m", 3)),
-      ...(isNarrow || this.dragged ? [] : [drawn("text", { x: pivot + radius + 8, y: floor - 7, class: "blue label" }, `${number(beta, 3)}°`)]),
+      drawn("text", { x: isNarrow ? Math.max(8 * told.length, tip[0] + 6) : tip[0] - 10, y: tip[1] + (this.dragged ? -40 : Math.min(-20, 34 * dy - 4)), "text-anchor": isNarrow ? "end" : "middle", class: "blue label" }, isOne ? told : withUnit(amplitude, "m", 3)),
+      ...(isOne ? [] : [drawn("text", { x: pivot + radius + 8, y: floor - 7, class: "blue label" }, `${number(beta, 3)}°`)]),
     ];
   }
 
@@ -267,7 +271,7 @@ export class Stage {
     const tipped = (/** @type {number[]} */ [px, py], sign) => `M${px - 5} ${py + sign * 7}L${px} ${py}L${px + 6} ${py + sign * 6}`;
     return [
       drawn("path", { d: `M${up.join(" ")}A${long} ${long} 0 0 1 ${down.join(" ")}${tipped(up, 1)}${tipped(down, -1)}`, class: "vibration thin plain solid" }),
-      drawn("text", { x: Math.min(width - 10, x + 16), y: Math.min(this.size.height - 24, down[1] + 20), "text-anchor": "end", class: "blue label" }, `climb ${number(slope, 3)}°`),
+      drawn("text", { x: Math.min(width - 10, x + 16), y: Math.min(this.size.height - 24, down[1] + 20), "text-anchor": "end", class: "blue label haloed" }, `climb ${number(slope, 3)}°`),
     ];
   }
 
@@ -363,27 +367,18 @@ export class Stage {
     this.moveLine(Math.hypot(x, y), Math.atan2(y, x) / RADIANS, { isOver: false });
   }
 
-  keyLine(key, times) {
-    const step = { ArrowRight: [1e-5, 0], ArrowLeft: [-1e-5, 0], ArrowUp: [0, 0.5], ArrowDown: [0, -0.5] }[key];
-    if (!step) return false;
-    if (this.amplitude() === null) {
-      const { amplitude_along_1: along, amplitude_normal_1: normal } = this.shown.view.values;
-      this.moveEllipse(along + step[0] * times, normal + 1e-5 * step[1] * times, { isOver: true });
-      return true;
-    }
-    this.moveLine(this.amplitude() + step[0] * times, this.shown.view.values.beta + step[1] * times, { isOver: true });
-    return true;
+  keyLine(across, up) {
+    const { amplitude_along_1: along, amplitude_normal_1: normal, beta } = this.shown.view.values;
+    if (this.amplitude() === null) this.moveEllipse(along + 1e-5 * across, normal + 5e-6 * up, { isOver: true });
+    else this.moveLine(this.amplitude() + 1e-5 * across, beta + 0.5 * up, { isOver: true });
   }
 
   dragSlope(event) {
     const [x, y] = this.pointed(event);
-    this.onmove({ gamma: this.limited("gamma", Math.atan2(y, x) / RADIANS) }, { isOver: false });
+    this.turn(Math.atan2(y, x) / RADIANS, false);
   }
 
-  keySlope(key, times) {
-    const step = { ArrowUp: 0.5, ArrowRight: 0.5, ArrowDown: -0.5, ArrowLeft: -0.5 }[key];
-    if (!step) return false;
-    this.onmove({ gamma: this.limited("gamma", (this.shown.view.values.gamma ?? 0) + step * times) }, { isOver: true });
-    return true;
+  turn(gamma, isOver) {
+    this.onmove({ gamma: this.limited("gamma", gamma) }, { isOver });
   }
 }

@@ -1,7 +1,7 @@
 // The state of the page: one frozen view, and resources derived from it.
 
 import { batch, computed, effect, signal, untracked } from "../vendor/signals-core.mjs";
-import { Refusal, left } from "./service.js";
+import { Refusal } from "./service.js";
 import { sentence } from "./words.js";
 
 export { batch, computed, effect, signal, untracked };
@@ -92,7 +92,7 @@ export class Derived {
   }
 
   stop({ isTimed = false } = {}) {
-    this.running?.abort.abort(left());
+    this.running?.abort.abort();
     this.running = null;
     if (isTimed) return;
     clearTimeout(this.late);
@@ -125,19 +125,18 @@ export class Derived {
       else this.set({ ...this.state.value, job });
     };
     const show = (value) => land(value, { isPartial: true });
+    const end = (state) => isWanted() && this.wanted.key === key && this.set({ ...NOTHING, of: key, ...state });
     try {
       const value = await this.persist(() => this.ask(view, scene, { signal: abort.signal, tell, show, held, ...more }));
-      if (value?.asking) {
-        if (isWanted() && this.wanted.key === key) {
-          this.set({ ...this.state.value, status: "asking", of: key, value: value.found ?? null, reason: value.asking, isLate: false, isPartial: false, job: null });
-        }
-      } else land(value);
+      if (value?.asking) end({ status: "asking", value: value.found ?? null, reason: value.asking });
+      else land(value);
     } catch (error) {
       if (error.name === "AbortError" || !isWanted()) return;
-      if (!(error instanceof Refusal)) reportError(error); // a fault of this page
-      if (this.wanted.key === key) {
-        const reason = error instanceof Refusal ? (error.errors[0] ? sentence(error.errors[0]) : error.message) : "The page has an error. Change a value, or reload the page.";
-        this.set({ ...this.state.value, status: "failed", of: key, value: null, reason, errors: error.errors ?? [], isLate: false, isPartial: false, job: null });
+      const { errors = [], message } = error;
+      if (error instanceof Refusal) end({ status: "failed", reason: errors[0] ? sentence(errors[0]) : message, errors });
+      else {
+        reportError(error); // a fault of this page
+        end({ status: "failed", reason: "The page has an error. Change a value, or reload the page." });
       }
     } finally {
       if (isWanted()) {

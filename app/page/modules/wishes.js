@@ -3,13 +3,11 @@
 import { furtherOf } from "./best.js";
 import { CRITERIA, FIGURES, NEEDS_OTHER } from "./criterion.js";
 import { element, fill } from "./elements.js";
-import { button, choiceField, numberInput, tick } from "./fields.js";
-import { grouped } from "./groups.js";
+import { button, choiceField, grouped, numberInput } from "./fields.js";
 import { usual } from "./view.js";
-import { capital, label, number, sentence, shown, words } from "./words.js";
+import { capital, label, sentence, shown, words } from "./words.js";
 
 const MAX_LIMITS = 20;
-const MAX_POINTS = 200;
 
 export class Wishes {
   // `onchange(best)` hears of what is wished for otherwise.
@@ -58,10 +56,12 @@ export class Wishes {
   }
 
   tick(id, text, row, name) {
-    return tick(id, text, row[name], (isSet) => {
-      row[name] = isSet;
+    const set = () => {
+      row[name] = made.checked;
       this.changed(id);
-    });
+    };
+    const made = element("input", { id, type: "checkbox", checked: row[name], onchange: set });
+    return element("p", { class: "tick" }, made, element("label", { for: id }, ` ${text}`));
   }
 
   removal(rows, place, next, text) {
@@ -84,16 +84,11 @@ export class Wishes {
     const { view, scene } = this;
     const others = scene.outputs.filter(({ name }) => name !== view.output);
     const name = FIGURES[best.kind];
-    const against = scene.outputs.find((one) => one.name === best.against);
-    const unit = name === "limit" ? (against?.unit ?? "1") : "1";
-    const told = { limit: "Limit of the magnitude", weight: "Weight", points: "Number of points of the trade-off" }[name];
+    const of = { limit: best.against, target: view.output }[name];
+    const unit = scene.outputs.find((one) => one.name === of)?.unit ?? "1";
+    const told = { limit: "Limit of the magnitude", weight: "Weight", points: "Number of points of the trade-off", target: "Target" }[name];
     const [, unitShown] = shown(unit);
-    const check = (value) => {
-      if (name !== "points") return value >= 0 ? "" : "The limit or weight of the second output has to be at least 0";
-      const isFit = Number.isInteger(value) && value >= 2 && value <= MAX_POINTS;
-      return isFit ? "" : `The number of points of the trade-off has to be a whole number from 2 to ${MAX_POINTS}`;
-    };
-    const figure = name && this.figure(null, best, name, unit, { id: "criterion-figure", check });
+    const figure = name && this.figure(null, best, name, unit, { id: "criterion-figure" });
     return this.group(
       "What is best",
       choiceField("criterion", capital(words(view.output)), Object.entries(CRITERIA), best.kind, (kind) => {
@@ -108,28 +103,21 @@ export class Wishes {
         : null,
       figure ? element("div", { class: "field" }, element("label", { for: "criterion-figure" }, `${told}${unitShown ? ` (${unitShown})` : ""}`), figure) : null,
       this.complaint("criterion"),
-      view.band && best.kind !== "pareto" ? this.tick("robust", `Optimise the worst case of the ${words(view.band.name)} within its uncertainty`, best, "isRobust") : null,
     );
   }
 
   // Bounds that outputs have to keep: a row each.
   limits(best) {
     const { view, scene } = this;
-    const add = (row) => {
-      best.limits.push({ lower: null, upper: null, absolute: false, ...row });
+    const add = () => {
+      best.limits.push({ output: view.output, lower: null, upper: null, absolute: false });
       this.changed(`limit-${best.limits.length - 1}`);
     };
     const outputs = grouped(scene.outputs, (one) => [one.name, label(one.name, one.unit)]);
-    const levels = scene.outputs.filter(({ name, level }) => Number.isFinite(level) && !best.limits.some(({ output, upper }) => output === name && upper === level));
     return this.group(
       "Within these limits",
       ...best.limits.map((row, place) => this.limit(row, place, outputs)),
-      element(
-        "div",
-        { class: "buttons" },
-        best.limits.length < MAX_LIMITS ? button("Add a limit", () => add({ output: view.output }), { id: "add-limit" }) : null,
-        ...levels.map(({ name, level, begins }) => button(`No ${begins}: ${words(name)} at most ${number(level)}`, () => add({ output: name, upper: level }))),
-      ),
+      best.limits.length < MAX_LIMITS ? button("Add a limit", add, { id: "add-limit" }) : null,
       view.kind === "sweep" ? this.tick("contact", "Require that the part keeps its contacts with floor and wall", best, "isInContact") : null,
     );
   }

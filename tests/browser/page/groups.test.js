@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { grouped } from "../../../app/page/modules/groups.js";
+import { grouped } from "../../../app/page/modules/fields.js";
 
 const NAMES = ["drive_power", "conveying_velocity", "hop_height", "stick_fraction", "length_scale", "drive_number"];
 const outputs = [...NAMES, ..."abcdefg"].map((name) => ({ name, unit: name === "hop_height" ? "m" : "1" }));

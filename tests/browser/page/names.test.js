@@ -3,7 +3,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { giveWay } from "../../../app/page/modules/names.js";
+globalThis.window = { d3: {} };
+const { giveWay } = await import("../../../app/page/modules/marks.js");
 
 function name(x, y) {
   const given = { x: String(x), y: String(y) };

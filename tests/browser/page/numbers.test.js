@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { fieldText, readNumber } from "../../../app/page/modules/numbers.js";
+import { fieldText, readNumber } from "../../../app/page/modules/fields.js";
 
 const NUMBERS = [
   ["0.3", "1", 0.3],
@@ -12,17 +12,15 @@ const NUMBERS = [
   ["0.35", "m", 0.35e-3], // fields of lengths are in mm
   ["0,350 mm", "m", 0.35e-3],
   ["350 µm", "m", 0.35e-3],
-  ["3000/60", "Hz", 50],
   ["3000 rpm", "Hz", 50],
   ["3000 1/min", "Hz", 50],
-  ["(1 + 2) * 3", "1", 9],
   ["1e-3", "1", 1e-3],
   ["\u22125°", "degree", -5],
   ["2 g", "m s-2", 19.6133],
   ["1.2", "kg", 1.2e-3], // fields of masses are in g
 ];
 const NONSENSE = [
-  ["", "1"], ["abc", "1"], ["1e400", "1"], ["1/0", "1"], ["0/0", "1"], ["0.06k", "Hz"],
+  ["", "1"], ["abc", "1"], ["1e400", "1"], ["1/0", "1"], ["0.06k", "Hz"],
   ["3 mm", "Hz"], ["1,000", "Hz"], ["1 2", "1"], ["((((", "1"], ["__proto__", "1"],
   ["5 constructor", "1"], ["9".repeat(100), "1"],
 ];

@@ -5,7 +5,8 @@ import { test } from "node:test";
 
 import { QUESTIONS, begun } from "../../../app/page/modules/questions.js";
 import { SETS, withSet } from "../../../app/page/modules/sets.js";
-import { fromLink, toLink, typical, usual } from "../../../app/page/modules/view.js";
+import { fromLink, toLink } from "../../../app/page/modules/link.js";
+import { typical, usual } from "../../../app/page/modules/view.js";
 
 test("a link names each question, and what it begins with comes back", () => {
   for (const question of Object.keys(QUESTIONS)) {

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { usualBest } from "../../../app/page/modules/criterion.js";
-import { hasChoice, restated } from "../../../app/page/modules/stroke.js";
+import { hasChoice, restated } from "../../../app/page/modules/sets.js";
 
 const VIEW = {
   question: "speed",

@@ -4,7 +4,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { usualBest } from "../../../app/page/modules/criterion.js";
-import { designOf, fromLink, givenValues, pictureOf, toLink, typical, unusual, usual } from "../../../app/page/modules/view.js";
+import { designOf, fromLink, pictureOf, toLink } from "../../../app/page/modules/link.js";
+import { givenValues, typical, unusual, usual } from "../../../app/page/modules/view.js";
 
 const VIEW = {
   question: "drive",
@@ -31,13 +32,6 @@ test("a link restores its view to the last digit", () => {
   assert.deepEqual({ ...wanted.values }, VIEW.values);
   assert.deepEqual(wanted.pins.map((pin) => ({ ...pin })), VIEW.pins);
   assert.equal(toLink({ ...VIEW, ...wanted }), toLink(VIEW));
-});
-
-test("a link of before, with a point, has the values of the point", () => {
-  const { wanted, complaints } = fromLink("#x=amplitude:0.0001:0.001&y=beta:0:60&point=0.0003:30&p.friction=0.2");
-  assert.deepEqual(complaints, []);
-  assert.deepEqual({ ...wanted.values }, { amplitude: 0.0003, beta: 30, friction: 0.2 });
-  assert.deepEqual({ ...fromLink("#x=beta:0:60&y=&point=30:").wanted.values }, { beta: 30 });
 });
 
 test("pictures differ by what is no axis, designs by every value", () => {

@@ -1,7 +1,49 @@
-// What the service found, in words: the drive, how far it is from each limit, what a little more would do.
+// The optima that the service found: the designs of a dataset, and in words how far they are from each limit.
 
-import { element } from "./elements.js";
 import { capital, number, withUnit, words } from "./words.js";
+
+// The designs of a dataset: {at, values, margins, ends, regime, status, isKnee}, of
+// `at` {name: value} of what was chosen, `values` {name: {value, unit}} of outputs,
+// `margins` [{name, value, unit, binds}] to contacts and limits, and
+// `ends` [{name, end}] of ranges that were reached. A front without a trade-off is one design.
+export function designsOf(dataset, names) {
+  const { variables } = dataset;
+  const isFront = variables[`best_${names[0]}`].dims.includes("front");
+  const isOne = variables.front_points?.data[0] === 1;
+  const count = isFront && !isOne ? variables[`best_${names[0]}`].data.length : 1;
+  return Array.from({ length: count }, (_, i) => designOf(variables, names, (one) => (one.dims.includes("front") ? one.data[i] : one.data)));
+}
+
+function designOf(variables, names, at) {
+  const value = (name) => (variables[name] ? at(variables[name]) : null);
+  const flag = (name) => {
+    const found = Object.entries(variables[name]?.flags ?? {}).find(([, number]) => number === value(name));
+    return found?.[0] ?? "";
+  };
+  const design = {
+    at: Object.fromEntries(names.map((name) => [name, value(`best_${name}`)])),
+    values: {},
+    margins: [],
+    ends: [],
+    regime: { name: flag("regime"), value: value("regime") },
+    status: flag("optimum_status"),
+    isKnee: flag("knee") === "knee",
+  };
+  design.isThere = names.every((name) => Number.isFinite(design.at[name]));
+  for (const [name, variable] of Object.entries(variables)) {
+    const [first] = name.split("_");
+    const rest = name.slice(first.length + 1);
+    const known = { value: at(variable), unit: variable.units ?? "1" };
+    if (first === "margin") design.margins.push({ name: rest, ...known, binds: value(`binds_${rest}`) === 1 });
+    else if (!variable.flags && !["best", "binds"].includes(first)) design.values[name] = known;
+  }
+  for (const name of names) {
+    for (const end of ["lower", "upper"]) {
+      if (value(`binds_${name}_${end}`) === 1) design.ends.push({ name, end });
+    }
+  }
+  return design;
+}
 
 const STATUSES = {
   optimal: "The search found nothing better within the bounds.",
@@ -17,10 +59,6 @@ const STATUSES = {
 
 export function statusTold(status) {
   return STATUSES[status] ?? (status ? `${capital(words(status))}.` : "");
-}
-
-function row(head, text) {
-  return element("tr", {}, element("th", { scope: "row" }, head), element("td", {}, text));
 }
 
 // How far the part is from leaving floor or wall, and from each limit.
@@ -49,16 +87,4 @@ function limitTold(name, scene) {
   const [, output, end] = name.match(/^(.*)_(lower|upper)$/) ?? [];
   if (scene.outputs.some((one) => one.name === output)) return `the ${end} limit of the ${words(output)}`;
   return name === "limit" ? "the limit of the second output" : `the ${words(name)}`;
-}
-
-// What one per cent more of each parameter does to the criterion.
-export function ratesTold(design) {
-  const rows = design.rates.map(({ name, value }) => {
-    const isNone = Math.abs(value) < 1e-6;
-    const change = isNone ? "no change" : `${value > 0 ? "+" : ""}${number(value, 2)} %`;
-    const told = Number.isFinite(value) ? change : "no rate of change: the criterion jumps or has a kink at the optimum";
-    return row(capital(words(name)), told);
-  });
-  if (!rows.length) return null;
-  return element("details", {}, element("summary", {}, "Effect of 1 % more of a parameter on the optimum"), element("table", {}, ...rows));
 }
