@@ -195,7 +195,7 @@ def test_a_limit_that_nothing_keeps_is_infeasible():
             "frequency": 96.84, "amplitude": "0.29 mm", "friction": 0.7646, "gamma": 7.67,
         },
     })  # fmt: skip
-    assert found.attrs["message"].startswith("infeasible: no choice keeps")
+    assert found.attrs["message"].startswith("infeasible: no choice satisfies")
 
 
 # --- calibrations
