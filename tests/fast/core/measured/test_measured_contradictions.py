@@ -241,9 +241,10 @@ def test_times_in_whole_milliseconds_are_even_and_the_longest_piece_beside_a_gap
     ("text", "parameters", "words"),
     [
         (plain(G), {}, ()),
-        (table(SIGNAL.times * 1e3, head="time [s],ax [g],az [g]"), {},
-         ("frequency = 0.05 Hz, fitted to data, is unusual; usual values are 1 to",
-          "With times in ms it would be 50 Hz.")),
+        *((table(SIGNAL.times * factor, head="time [s],ax [g],az [g]"), {},
+           (f"frequency = {50 / factor:,.6g} Hz, fitted to data, is unusual; usual values are 1 to",
+            f"With times in {unit} it would be 50 Hz."))
+          for unit, factor in (("ms", 1e3), ("us", 1e6), ("min", 1 / 60))),
         (plain(G * 100 * [[1.0], [0.0]] + [[0.0], [1.0]]), {},
          ("amplitude_along_1 = 30 mm, fitted to data, is unusual; usual values",)),
         # Where gravity belongs.

@@ -7,7 +7,7 @@ import pytest
 
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
 
 VELOCITIES = [
     f"{name}_{body}_after" for body in "12" for name in ("velocity_x", "velocity_y", "spin")
@@ -183,6 +183,7 @@ FORMS = {
 @pytest.mark.parametrize("name", FORMS)
 def test_each_form_of_contact_is_found_from_both_sides(name):
     place, form, body = FORMS[name]
+    assert QUANTITIES["contact_form"].words[form] == name.partition(",")[0]
     for above, told in ((0.0, "impact"), (1e-4, "apart"), (-1e-4, "overlap")):
         at = clash(**{**place, "position_z_1": place.get("position_z_1", 0.02) + above})
         assert regime(at) == told
