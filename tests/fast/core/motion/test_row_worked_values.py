@@ -81,8 +81,11 @@ def test_parts_that_hop():
     assert three["flight"] > 0.0
     # By another program in 8,000 steps of a period, whose error is some 1e-3.
     assert other == pytest.approx(2.0977, abs=2e-3)
-    pair, _ = followed(cell(2.5, 1.8, [0.6, 0.2]))
+    row = cell(2.5, 1.8, [0.6, 0.2])
+    pair, _ = followed(row)
     assert pair["velocity"] == pytest.approx(1.8556, abs=1e-3)
+    _, gaps = path(row, TURN * np.arange(40, 60, 1 / 200))
+    assert pair["gap"] == pytest.approx(gaps.mean(), rel=1e-3)
 
 
 def test_a_stop_just_below_the_throw_number_from_which_it_takes_all_friction():
