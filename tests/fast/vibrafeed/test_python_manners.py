@@ -42,6 +42,7 @@ def test_studies_are_shown_briefly():
         "parameters={'frequency': 50.0, 'amplitude': 0.001, 'beta': 20.0})"
     )
     shown = study._repr_html_()
+    assert "<td>kind</td><td>sweep</td>" in shown
     assert "<td>parameters.frequency</td><td>50.0</td>" in shown
     error = vibrafeed.StudyError([])
     assert error._render_traceback_() == [f"StudyError: {error}"]  # of notebooks
