@@ -242,6 +242,9 @@ def test_a_line_of_contact_is_reversed_as_a_whole_and_solved_without_friction_on
         told = [regime(clash(law, **place)) for law in LAWS]
         assert told == ["impact", "simultaneous", "simultaneous"]
         assert int(clash(**place).contact_form) == form
+    # Where the whole line parts, all laws name the same end.
+    ends = [clash(law, position_x_1=0.01, velocity_z_1=0.2).contact_x.item() for law in LAWS]
+    assert ends == [ends[0]] * 3
 
 
 def test_cylinders_on_a_floor_are_the_planar_problem():
