@@ -35,7 +35,10 @@ def study_schema() -> Schema:
 
 
 def _with_names(schema: Schema, kind: Kind) -> Schema:
-    # The schema of a kind with the names of its scenes, outputs and variants.
+    # The schema of a kind with the names of its scenes, outputs and variants. `kind.scenes` has
+    # mappings from the name of a scene to the scene: the first has those that a study may name, the
+    # others add outputs. All scenes of a kind name their variants by one key, `choice`;
+    # `kind.choices` has the values of further keys.
     first_scenes, properties = kind.scenes[0], {**schema["properties"]}
     scenes_with_outputs = [scene for scenes in kind.scenes for scene in scenes.values()]
     outputs = {

@@ -237,7 +237,7 @@ def hurdle(count: int) -> float:
 def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
     """Return the covariance matrix of a fit: frequency [Hz] and coefficients of harmonics [m s-2].
 
-    Shape (1 + axes size, ...): the frequency first, then the `size` coefficients of each axis
+    Shape (1 + axes size, ...): the frequency first, then the coefficients of each axis
     (drift, then sine and cosine of each order). It is right for noise of any colour: H^-1 M H^-1
     with H = sum_j w_j J_j' J_j and M = sum_g sum_jl w_j w_l S_jl(g) J_jg' J_lg, where w_j is the
     weight of axis j, J_jg the derivative of its model by all unknowns, of which g takes the drift
@@ -251,9 +251,9 @@ def covariance_of(samples: Samples, solution: Solution, noise: Noise) -> Array:
     waves_times_time = basis[:, first_wave:] * (samples.times / samples.half)[:, None]
     gram = np.hstack([basis, waves_times_time])
     gram = gram.T @ gram
-    # The group of each column: 0 for the drift, else its order.
-    order = np.repeat(np.arange(1, len(solution.orders) + 1), 2)
-    group = np.concatenate([np.zeros(first_wave, dtype=np.int64), order, order])
+    # The group of each column: 0 for the drift, else the position of its order, from 1.
+    order_group = np.repeat(np.arange(1, len(solution.orders) + 1), 2)
+    group = np.concatenate([np.zeros(first_wave, dtype=np.int64), order_group, order_group])
 
     # Column by unknown: the first unknown is the frequency, in turns over half of the recording.
     derivative = np.zeros((axes, group.size, 1 + axes * unknowns))

@@ -425,19 +425,20 @@ def _largest_slip_acceleration(
 ) -> tuple[NDArray[np.complexfloating], NDArray[np.complexfloating]]:
     # The largest a_x = d.u - k - mu g x of a cylinder whose contact slips along psi, over unit
     # drives d, with s, x = sin(psi), cos(psi) and u = (1, 0, mu x). It slips so where d.v = w with
-    # v = (-s, x, 2 mu s x); -inf where no drive does that. Also the drive's d_z. An imaginary step
-    # of psi gives the derivative.
+    # v = (-s, x, 2 mu s x) (theory 7.3); -inf where no drive does that. Also the drive's d_z. An
+    # imaginary step of psi gives the derivative. The largest d.u over unit drives d with d.v = w is
+    # (w u.v + sqrt(|v|^2 - w^2) |u x v|)/|v|^2, and |u x v| is x times `cross_over_x`.
     s, x = np.sin(psi), np.cos(psi)
     w = s * (2 * mu * g * x - k)
     uv = -s * (1 - 2 * (mu * x) ** 2)
     v2 = 1 + (2 * mu * s * x) ** 2
     discriminant = v2 - w * w
     root = np.sqrt(np.where(discriminant.real > 0, discriminant, 0.0))
-    steepness = np.sqrt(1 + mu * mu * (1 + 8 * s * s))
-    value = (w * uv + root * x * steepness) / v2 - k - mu * g * x
+    cross_over_x = np.sqrt(1 + mu * mu * (1 + 8 * s * s))
+    value = (w * uv + root * x * cross_over_x) / v2 - k - mu * g * x
     v_z = 2 * mu * s * x
-    # d = w v/|v|^2 + root (u - (u.v) v/|v|^2)/(x steepness): u_z - ... = mu x (1 + 2 s^2)/|v|^2
-    d_z = (w * v_z + root * mu * (1 + 2 * s * s) / steepness) / v2
+    # d = w v/|v|^2 + root (u - (u.v) v/|v|^2)/(x cross_over_x): u_z - ... = mu x (1 + 2 s^2)/|v|^2
+    d_z = (w * v_z + root * mu * (1 + 2 * s * s) / cross_over_x) / v2
     return np.where(discriminant.real > 0, value, -np.inf), d_z
 
 

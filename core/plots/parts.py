@@ -300,10 +300,10 @@ def set_plane(axes: Axes, selection: Selection, max_points: int) -> Plane:
         replace(axis, values=axis.values[indices])
         for axis, indices in zip(selection.axes, (columns, rows), strict=True)
     )
-    for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
+    for axis, drawn_axis in ((across, axes.xaxis), (up, axes.yaxis)):
         if axis.is_log:
-            set_log(spine, axis.values)
-        spine.set_label_text(axis.label)
+            set_log(drawn_axis, axis.values)
+        drawn_axis.set_label_text(axis.label)
     cells = np.ix_(columns, rows)
     return across, up, selection.values[cells].T, selection.regimes[cells].T
 

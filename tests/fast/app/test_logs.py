@@ -1,11 +1,13 @@
 """The log: one JSON line for each request, an identifier for each, and nothing private."""
 
 import io
+import itertools
 import json
 import logging
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -18,6 +20,7 @@ from local_client import local_client
 from vibrafeed.app import logs
 from vibrafeed.app.main import create_app
 from vibrafeed.app.settings import Settings
+from vibrafeed.app.web import observe
 
 Lines = Callable[[], list[dict[str, Any]]]
 
@@ -46,10 +49,14 @@ def requests(lines: Lines) -> list[dict[str, Any]]:
     return [line for line in lines() if line["event"] == "request"]
 
 
-def test_a_request_is_one_line(client, lines):
+def test_a_request_is_one_line(client, lines, monkeypatch):
+    clock = itertools.count(
+        step=0.25
+    )  # s: it is read when the request comes and when it is answered
+    monkeypatch.setattr(observe, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
     reply = client.get("/scenes/rectangle-on-track?variant=thesis")
     (line,) = requests(lines)
-    assert line.pop("milliseconds") > 0
+    assert line.pop("milliseconds") == 250
     assert line.pop("timestamp").endswith("Z")
     assert line == {
         "event": "request",

@@ -1,5 +1,7 @@
 """Error against run time: what the curves of a study say, and studies without a witness."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray
@@ -8,6 +10,7 @@ from refusals import places_of
 from vibrafeed.core import report as reports
 from vibrafeed.core.dataset.netcdf import write_netcdf
 from vibrafeed.core.intake import prepare_content
+from vibrafeed.core.plots.measured import draw_report
 from vibrafeed.core.report import Report, check, measure
 from vibrafeed.core.sweep.verify import EXTENDED
 from vibrafeed.core.watch import Watch
@@ -69,6 +72,10 @@ def test_closed_forms_err_by_rounding_of_their_type_and_a_file_and_a_page_say_it
     assert "## A title (my study)" in page
     assert "![Error against run time](picture.png)" in page
     assert page.count("| transport_velocity |") == np.isfinite(found.error[0]).sum()
+    fast = replace(found, seconds=np.full((2, 2), 2.5e-6))
+    assert " 2.5 us |" in fast.section("my study.toml", "A title", None)
+    points = draw_report(fast.table(prepared).to_xarray()).axes[0].lines[1]
+    assert points.get_xdata() == pytest.approx([2.5, 2.5])
 
 
 def test_a_motion_meets_its_witness_at_a_small_tolerance() -> None:

@@ -76,6 +76,9 @@ def test_one_harmonic_repeats_as_the_sine_does(clean):
     # What rounding decides is so in both, and has one mean: statistical, 99 % each.
     assert both.sum() >= 0.99 * decided.sum() - 1
     assert (apart > sine.error + wave.error)[both].sum() <= max(1, 0.05 * both.sum())
+    early = planar_motion(groups, **{**PLANAR, "tolerance": 0.1})
+    shares = (early.stick + early.forward + early.backward + early.flight)[both]
+    np.testing.assert_allclose(shares, 1.0, atol=1e-12)
 
 
 # --- the edge at which a part lands as the floor lets go

@@ -447,6 +447,8 @@ def test_a_status_tells_time_left_and_what_is_waited_for(monkeypatch):
         began=now - 50,
     )  # fmt: skip
     assert status_info(running, "")["secondsLeft"] == 50
+    again = replace(running, done_then=3)  # in this run, 2 blocks took 50 s
+    assert status_info(again, "")["secondsLeft"] == 125
     set_back = replace(running, began=now + 86_400)  # the clock was
     assert "secondsLeft" not in status_info(set_back, "")
     waiting = replace(running, state="accepted", started=None, began=None, done=0)

@@ -80,6 +80,8 @@ class TestSlice:
             ({"axes": "bta"}, [], "Did you mean 'beta' (elevation)?"),
             ({"axes": "alpha,amplitude,frequency"}, [], "one or two"),
             ({"axes": "beta,beta"}, [], "axes has the same name twice"),
+            ({"axes": 201 * "a"}, [], "at most 200 characters"),
+            ({"output": 101 * "a"}, [], "at most 100 characters"),
             ({"amplitude": long}, [], "A value has at most 200 characters"),
             ({"axes": "alpha", "frequency": "55 Hz"}, [], "nearest are 50 and 60 Hz"),
             ({"axes": "alpha", "frequency": "55 kg"}, [], "Hz"),

@@ -8,7 +8,7 @@ import pytest
 
 from recordings import AMPLITUDES, DRIVE, PHASES, noisy, signal_of, turned
 from refusals import words_of
-from vibrafeed.core.measured import Recording, fit_drive, fit_signal
+from vibrafeed.core.measured import Recording, fit_drive, fit_ring_down, fit_signal
 from vibrafeed.core.plots.measured import draw_fit
 
 NEAR = 1e-9
@@ -242,3 +242,17 @@ def test_a_picture_says_what_was_fitted(fit):
         "50 Hz · clock 0.3 % slow · 50 periods, 5,000 samples",
         "All axes together: not explained by the fit 4.4 %, drift 0.35 % of the drive",
     ]
+
+
+# --- a knock
+
+
+def test_the_four_strongest_modes_of_a_knock_are_told_apart():
+    times, sizes = np.arange(600) / 1000, np.array([[30.0], [27.0], [24.0], [21.0], [18.0]])
+    modes, after = np.array([[23.0], [53.0], [81.0], [117.0], [171.0]]), np.maximum(times - 0.1, 0)
+    waves = np.exp(-0.04 * np.pi * modes * after) * np.cos(2 * np.pi * modes * after)
+    values = (sizes * waves).sum(axis=0) * (times >= 0.1)
+    rows = "\n".join(f"{t:.3f},{v:.4f}" for t, v in zip(times, values, strict=True))
+    fit = fit_ring_down(f"time [s],ax [m/s2]\n{rows}", Recording(along="ax"))
+    found = sorted([fit.natural_frequency, *fit.other_frequencies])
+    assert found == pytest.approx(modes[:4, 0], rel=0.01)

@@ -230,11 +230,11 @@ def test_files_that_are_too_large_or_no_text_are_refused(tmp_path, monkeypatch):
         "recording: recording.bin: it is not text in UTF-8, UTF-16 or Windows-1252. Export the "
         "table as CSV, in UTF-8."
     ]
-    file.write_bytes(TEXT.encode())
-    for limit, value, words in (
-        ("MAX_ROWS", 100, "recording: the table has more than 100 rows. Shorten it"),
-        ("MAX_BYTES", 1000, "MB, the limit is 0 MB. Shorten it"),
+    for content, limit, value, words in (
+        (TEXT.encode(), "MAX_ROWS", 100, "recording: the table has more than 100 rows. Shorten it"),
+        (bytes(5_000_000), "MAX_BYTES", 3_000_000, "has 5 MB, the limit is 3 MB. Shorten it"),
     ):
+        file.write_bytes(content)
         monkeypatch.setattr(f"vibrafeed.core.tables.read.{limit}", value)
         assert words in refused(file)[0]
 

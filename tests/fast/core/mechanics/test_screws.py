@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vibrafeed.core.mechanics.screws import dot, reduce_screw
+from vibrafeed.core.mechanics.screws import dot, floor_wrench, reduce_screw
 
 RANDOM = np.random.default_rng(4)
 POINTS = 2000
@@ -49,6 +49,18 @@ def test_moment_about_the_axis_is_pitch_times_force():
     there = moment + np.cross(force, at.axis_point)
     scale = np.max(np.abs(at.axis_point), -1, keepdims=True) + np.abs(at.pitch)[:, None] + 1
     assert np.max(np.abs(there - at.pitch[:, None] * force) / scale) < 1e-14
+
+
+def test_the_floor_wrench_is_that_of_its_forces_at_the_lowest_point():
+    force, (drilling, spin, yaw) = np.array([20.0, -3.0, -4.0]), (0.4, 5.0, 7.0)
+    found = floor_wrench(
+        mass=2.0, diameter=0.02, spin_rate=spin, yaw_rate=yaw, drilling_moment=drilling,
+        rolling_friction=-force[1], axial_friction=-force[2], floor_force=force[0],
+    )  # fmt: skip
+    np.testing.assert_array_equal(found.force, force)
+    about_axis = np.cross([-0.01, 0.0, 0.0], force)[2]
+    gyroscopic = -2.0 * 0.01**2 / 2 * spin * yaw
+    np.testing.assert_allclose(found.moment, [drilling, gyroscopic, about_axis], rtol=1e-14)
 
 
 def test_the_sign_printed_in_4_3_does_not_give_the_moment_back():

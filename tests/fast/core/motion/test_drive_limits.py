@@ -82,6 +82,8 @@ def test_two_levels_have_the_stroke_of_a_throw() -> None:
     assert found["stroke_along"] == pytest.approx(6.0 / 50.0**2 / 16, rel=1e-13)
     assert found["largest_jerk_along"] == np.inf
     assert [found[f"{limit}_normal"] for limit in LIMITS] == [0.0, 0.0, 0.0]
+    still = outputs_of(asked, given | {"acceleration_along_1": 0.0})
+    assert [still[f"{limit}_along"] for limit in LIMITS[:2]] == [0.0, 0.0]
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-13])

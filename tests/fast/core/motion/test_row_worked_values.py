@@ -81,8 +81,17 @@ def test_parts_that_hop():
     assert three["flight"] > 0.0
     # By another program in 8,000 steps of a period, whose error is some 1e-3.
     assert other == pytest.approx(2.0977, abs=2e-3)
-    pair, _ = followed(cell(2.5, 1.8, [0.6, 0.2]))
+    row = cell(2.5, 1.8, [0.6, 0.2])
+    pair, _ = followed(row)
     assert pair["velocity"] == pytest.approx(1.8556, abs=1e-3)
+    # Sums over a period by its path: a collision of equal parts that stay together takes v^2/4.
+    gap = path(row, TURN * np.arange(40, 41, 1 / 2000))[1][:, 0]
+    closed = gap < 1e-12
+    closes = np.flatnonzero(~closed[1:-1] & closed[2:]) + 1
+    speed = (gap[closes - 1] - gap[closes]) * 2000 / TURN
+    sums = {"gap": gap.mean(), "contact": closed.mean(), "collisions": len(closes),
+            "impact": (speed**2 / 4).sum()}  # fmt: skip
+    assert {name: pair[name] for name in sums} == pytest.approx(sums, rel=0.01)
 
 
 def test_a_stop_just_below_the_throw_number_from_which_it_takes_all_friction():

@@ -9,7 +9,7 @@ from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.optima import designs_of
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import STATUS, chosen_cells
-from vibrafeed.core.optimise.search import Candidates, best_points, most_reliable
+from vibrafeed.core.optimise.search import Candidates, _trial, best_points, most_reliable
 from vibrafeed.core.watch import Watch
 
 
@@ -110,6 +110,19 @@ def test_a_maximum_at_the_edge_of_what_has_values():
     point, value, _ = search(infeasible, 2)
     assert -1e-8 <= value[0] <= 0
     assert point[0, 0] == pytest.approx(0.62, abs=2e-4)  # the value is flat there, 0.5 du^2
+
+
+def test_points_that_have_met_stay_where_they_are():
+    met = Candidates(np.full((2, 3, 8), 0.4), *np.zeros((3, 3, 8)))
+    assert _trial(met, np.random.default_rng(1)) == pytest.approx(met.unit)
+
+
+def test_the_scale_of_an_output_is_its_largest_size_within_the_bounds():
+    throw = {"criterion": {"kind": "maximise", "output": "throw_number"},
+             "variables": {"amplitude": {"lower": "0.1 mm", "upper": "0.3 mm"}},
+             "parameters": {"frequency": 50, "beta": 30, "friction": 0.3}}  # fmt: skip
+    *_, scales = prepared({**PLANE, **throw})
+    assert scales["throw_number"] == pytest.approx(3e-4 * (100 * np.pi) ** 2 / 2 / 9.80665)
 
 
 @pytest.mark.parametrize("nothing", [np.nan, -np.inf])

@@ -399,5 +399,10 @@ def test_flags_counts_and_errors_have_no_derivative():
 def test_a_flag_takes_a_byte_and_its_values_fit(name):
     values = [flag.value for flag in FLAGS[name].values()]
     assert (QUANTITIES[name].width, QUANTITIES[name].compared) == (1, False)
-    assert len(set(values)) == len(values)
-    assert 0 <= min(values) <= max(values) < 128
+    assert values == [*range(len(values))]
+    assert len(values) <= 128
+
+
+def test_words_of_numbers_from_0_on_leave_none_out():
+    said = [[*one.words] for one in QUANTITIES.values() if one.words and 0 in one.words]
+    assert said == [[*range(len(numbers))] for numbers in said]

@@ -78,6 +78,11 @@ def test_a_gif_runs_for_ever_as_slow_as_asked(hop, row, tmp_path):
     frame = next(draw_frames(film, style, 60)) / 255
     wanted = mix(COLOURS[film.modes[0]], style.ground, 0.25)  # the colour of what it does
     assert (np.abs(frame - np.array(wanted)).max(axis=-1) < 0.01).sum() > 500
+    # Of the second half of a period, the strip shows a slip from 15 to 51 % of its width.
+    frame = next(draw_frames(read_film(hop.isel(cycle_time=slice(100, 201)), UNITS), style, 60))
+    forward = np.array(mix(COLOURS["forward"], style.ground, 0.25))
+    columns = np.flatnonzero((np.abs(frame / 255 - forward).max(axis=-1) < 0.01).any(axis=0))
+    assert columns[[0, -1]] == pytest.approx([35, 108], abs=3)
     with Image.open(target) as picture:
         assert picture.n_frames == film.times.size
         assert picture.info["duration"] == 1000 // FRAMES_PER_SECOND

@@ -84,6 +84,9 @@ def test_names_on_a_map_stand_in_their_regime(plane):
             beta=np.linspace(box.y0, box.y1, 5), method="nearest",
         )  # fmt: skip
         assert set(np.unique(inside)) == {REGIMES[text.get_text().replace(" ", "_")].value}
+    alone = plane.assign(regime=plane["regime"] * 0 + REGIMES["slip"].value)
+    (name,) = draw(alone, kind="map", at={"friction": 0.3}).axes[0].texts
+    assert name.get_position() == pytest.approx((0.5, 0.5), abs=0.05)  # the middle
 
 
 def test_a_map_says_what_has_no_value(plane):
@@ -174,6 +177,8 @@ def test_a_family_with_many_regimes_shows_them_in_strips(plane):
             bars[round(float(path.get_extents().y0 + 0.4))].add(to_hex(bar.get_facecolor()[0]))
     states = part["regime"].transpose("beta", "amplitude").values
     assert bars == [{FILLS[NAMES[value]] for value in row.tolist()} for row in states]
+    widths = [path.get_extents().width for bar in strips.collections for path in bar.get_paths()]
+    assert sum(widths) == pytest.approx(3 * np.ptp(strips.get_xlim()))  # each row is full
 
 
 def test_backward_travel_is_hatched_and_named(plane):

@@ -106,6 +106,13 @@ def test_background_of_a_line_is_divided_halfway_between_points(plane):
     assert [stop for _, stop in spans[:-1]] == pytest.approx(borders)
 
 
+@pytest.mark.parametrize(("count", "marker"), [(2, "o"), (3, "")])
+def test_curves_of_two_points_show_them(plane, count, marker):
+    parts = [plane.sel(frequency=f, alpha=0).isel(beta=slice(count)) for f in (40, 60)]
+    lines = draw(parts, variable="throw_number").axes[0].lines
+    assert [line.get_marker() for line in lines if line.get_zorder() == 3] == [marker] * 2
+
+
 def test_an_output_with_fewer_dimensions_than_its_regime(plane):
     figure = draw(plane, variable="throw_number", axes=("beta",), at={"alpha": -45})
     assert "alpha \N{MINUS SIGN}45°" in subtitle(figure)

@@ -40,6 +40,7 @@ def test_the_page_says_what_the_file_holds_line_beside_line(name):
     boxes = [text.get_window_extent() for text in page.texts if text.get_text()]
     boxes.append(page.axes[0].get_window_extent())
     width, height = (inches * page.dpi for inches in PAGE)
+    assert min(box.y0 for box in boxes) < 0.08 * height  # the page is used to its foot
     for box in boxes:
         assert min(box.x0, box.y0) >= 0
         assert (box.x1 <= width, box.y1 <= height) == (True, True)

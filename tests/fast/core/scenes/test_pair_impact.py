@@ -7,7 +7,7 @@ import pytest
 
 from vibrafeed.core.intake import parse_study
 from vibrafeed.core.kinds import run_study
-from vibrafeed.core.quantities import REGIMES
+from vibrafeed.core.quantities import QUANTITIES, REGIMES
 
 VELOCITIES = [
     f"{name}_{body}_after" for body in "12" for name in ("velocity_x", "velocity_y", "spin")
@@ -183,6 +183,7 @@ FORMS = {
 @pytest.mark.parametrize("name", FORMS)
 def test_each_form_of_contact_is_found_from_both_sides(name):
     place, form, body = FORMS[name]
+    assert QUANTITIES["contact_form"].words[form] == name.partition(",")[0]
     for above, told in ((0.0, "impact"), (1e-4, "apart"), (-1e-4, "overlap")):
         at = clash(**{**place, "position_z_1": place.get("position_z_1", 0.02) + above})
         assert regime(at) == told
@@ -241,6 +242,9 @@ def test_a_line_of_contact_is_reversed_as_a_whole_and_solved_without_friction_on
         told = [regime(clash(law, **place)) for law in LAWS]
         assert told == ["impact", "simultaneous", "simultaneous"]
         assert int(clash(**place).contact_form) == form
+    # Where the whole line parts, all laws name the same end.
+    ends = [clash(law, position_x_1=0.01, velocity_z_1=0.2).contact_x.item() for law in LAWS]
+    assert ends == [ends[0]] * 3
 
 
 def test_cylinders_on_a_floor_are_the_planar_problem():

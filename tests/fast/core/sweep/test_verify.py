@@ -52,6 +52,12 @@ def test_an_ill_conditioned_cell_is_told_with_its_condition():
     assert f"within the bound of {BOUND}" in only
 
 
+def test_values_that_are_all_exact_are_told_with_no_error():
+    still = {**SWEEP["parameters"], "amplitude": 0.0}
+    words = told({**SWEEP, "outputs": ["normal_acceleration"], "parameters": still, "verify": 2})
+    assert "normal_acceleration at beta 10 degree: error 0 m s-2, 0 ulp" in words["verified_worst"]
+
+
 def in_short_floats(function):
     return lambda **given: np.float32(function(**given)).astype(np.float64)
 
