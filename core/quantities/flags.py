@@ -210,13 +210,13 @@ OPTIMUM_STATUSES: dict[str, Flag] = {
     "no_value": Flag(7, "the outputs have no value within the bounds", valid=False),
     "not_computed": Flag(8, "the study was stopped before this design", valid=False),
     "suboptimal": Flag(9, "a dense grid has a better point that the search missed", valid=False),
-    "target_missed": Flag(
-        11, "no choice within the bounds reaches the target; this is the nearest"
-    ),
     "only_backward": Flag(
         10,
         "every choice moves the part backwards on average (with uncertain parameters: in the mean "
         "or the worst case)",
+    ),
+    "target_missed": Flag(
+        11, "no choice within the bounds reaches the target; this is the nearest"
     ),
 }
 

@@ -9,7 +9,7 @@ from vibrafeed.core.optimise.methods import METHODS
 from vibrafeed.core.optimise.optima import designs_of
 from vibrafeed.core.optimise.prepare import prepare
 from vibrafeed.core.optimise.problem import STATUS, chosen_cells
-from vibrafeed.core.optimise.search import Candidates, _trial, best_points, most_reliable
+from vibrafeed.core.optimise.search import Candidates, _trial_points, best_points, most_reliable
 from vibrafeed.core.watch import Watch
 
 
@@ -114,7 +114,7 @@ def test_a_maximum_at_the_edge_of_what_has_values():
 
 def test_points_that_have_met_stay_where_they_are():
     met = Candidates(np.full((2, 3, 8), 0.4), *np.zeros((3, 3, 8)))
-    assert _trial(met, np.random.default_rng(1)) == pytest.approx(met.unit)
+    assert _trial_points(met, np.random.default_rng(1)) == pytest.approx(met.unit)
 
 
 def test_the_scale_of_an_output_is_its_largest_size_within_the_bounds():
