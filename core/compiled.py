@@ -203,22 +203,25 @@ class _LinkedPart(_Library):
 
 class _Entry(_Library):
     def finalize(self) -> None:
-        self._linking_libraries = list(_reached(self, {}))
+        # Links every part that this function reaches, each once, and optimises all of it together;
+        # then gives the machine code the Python objects that its functions need.
+        self._linking_libraries = list(_linked_by(self, {}))
         super().finalize()
         for variable in self._final_module.global_variables:
-            if variable.name.startswith("_ZN08NumbaEnv"):  # what a function needs of Python
+            if variable.name.startswith("_ZN08NumbaEnv"):  # numba's name of such a place
                 environment = lookup_environment(variable.name)  # type: ignore[no-untyped-call]
                 if environment is not None:
                     self._codegen.set_env(variable.name, environment)
 
 
-def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
+def _linked_by(library: Any, linked: dict[Any, None]) -> dict[Any, None]:
+    # All libraries that one calls, and that parts among these call: a set, in order of discovery.
     for called in library._linking_libraries:
-        if called not in known:
-            known[called] = None
+        if called not in linked:
+            linked[called] = None
             if isinstance(called, _LinkedPart):
-                _reached(called, known)
-    return known
+                _linked_by(called, linked)
+    return linked
 
 
 class _Compiler(_NumbasCompiler):  # type: ignore[misc]

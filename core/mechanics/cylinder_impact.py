@@ -265,14 +265,14 @@ def _only_at_one_contact(
 ) -> SpatialImpulse:
     # 0 where the bodies are apart, NaN where the contact is no single point or has no single
     # impulse.
-    apart = is_apart(cylinder_contact=contact, contact_tolerance=tolerance)
+    are_apart = is_apart(cylinder_contact=contact, contact_tolerance=tolerance)
     unknown = overlaps(cylinder_contact=contact, contact_tolerance=tolerance)
-    unknown = unknown | ((contact.several | frame.unknown) & ~apart)
+    unknown = unknown | ((contact.several | frame.unknown) & ~are_apart)
     return SpatialImpulse(
-        only_in_impact(impulse.normal, apart, unknown),
+        only_in_impact(impulse.normal, are_apart, unknown),
         (
-            only_in_impact(impulse.tangential[0], apart, unknown),
-            only_in_impact(impulse.tangential[1], apart, unknown),
+            only_in_impact(impulse.tangential[0], are_apart, unknown),
+            only_in_impact(impulse.tangential[1], are_apart, unknown),
         ),
         impulse.sticks,
     )
@@ -331,10 +331,10 @@ def spatial_motion_after(
 
     v + L/m and w + J^-1 (rho x L) for body 1, with a minus for body 2; L is the impulse on body 1.
     """
-    before, masses, p = spatial_motion, cylinder_masses, contact_frame.point
+    before, masses, contact_point = spatial_motion, cylinder_masses, contact_frame.point
     L = in_space(spatial_impulse, contact_frame)
-    moment_1 = cross(minus(p, cylinder_1.centre), L)
-    moment_2 = cross(minus(p, cylinder_2.centre), L)
+    moment_1 = cross(minus(contact_point, cylinder_1.centre), L)
+    moment_2 = cross(minus(contact_point, cylinder_2.centre), L)
     return SpatialMotion(
         plus(before.velocity_1, L, 1 / masses.mass_1),
         plus(

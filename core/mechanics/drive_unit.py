@@ -212,8 +212,11 @@ def bowl_mass(
     radius r_s and tilted by th, is s = r_s Theta/cos(th). m_r = m1 m2/(m1 + m2) of bowl and base,
     and I_r alike of their moments of inertia.
     """
-    m1, m2, i1, i2 = moving_mass, base_mass, moving_inertia, base_inertia
-    turned_inertia, lifted_mass = i1 * (i2 / (i1 + i2)), m1 * (m2 / (m1 + m2))
+    mass_1, mass_2, inertia_1, inertia_2 = moving_mass, base_mass, moving_inertia, base_inertia
+    turned_inertia, lifted_mass = (
+        inertia_1 * (inertia_2 / (inertia_1 + inertia_2)),
+        mass_1 * (mass_2 / (mass_1 + mass_2)),
+    )
     return turned_inertia * np.square(
         cosine(spring_angle) / spring_radius
     ) + lifted_mass * np.square(sine(spring_angle))

@@ -326,6 +326,6 @@ def pfeiffer_glocker_in_space(
     )
 
 
-def only_in_impact(value: Array, apart: Mask, unknown: Mask) -> Array:
+def only_in_impact(value: Array, are_apart: Mask, unknown: Mask) -> Array:
     """Return a value; 0 where the bodies do not meet, NaN where the law has no answer."""
-    return np.where(unknown, np.nan, np.where(apart, 0.0, value))
+    return np.where(unknown, np.nan, np.where(are_apart, 0.0, value))

@@ -317,12 +317,12 @@ def _only_at_one_contact(
 ) -> Impulse:
     # 0 where the bodies are apart, NaN where the contact is no single point or has no single
     # impulse.
-    apart = is_apart(rectangle_contact=contact, contact_tolerance=tolerance)
+    are_apart = is_apart(rectangle_contact=contact, contact_tolerance=tolerance)
     unknown = overlaps(rectangle_contact=contact, contact_tolerance=tolerance)
-    unknown = unknown | ((contact.at_corner | edge_action.unknown) & ~apart)
+    unknown = unknown | ((contact.at_corner | edge_action.unknown) & ~are_apart)
     return Impulse(
-        only_in_impact(impulse.normal, apart, unknown),
-        only_in_impact(impulse.tangential, apart, unknown),
+        only_in_impact(impulse.normal, are_apart, unknown),
+        only_in_impact(impulse.tangential, are_apart, unknown),
         impulse.sticks,
     )
 

@@ -262,10 +262,12 @@ def turned_depths(
     _, above_side, _ = turned_centres(
         diameter=diameter, small_diameter=small_diameter, height=height, mass_height=mass_height
     )
-    reach = generator * np.maximum(side_foot, 1 - side_foot)
+    farther_rim = generator * np.maximum(side_foot, 1 - side_foot)
+    # On an end the rim of the other end may be the farther one: its R - h is that on its own end,
+    # plus what the centre lies lower here.
     return (
         np.maximum(base, top + (high - low)),
-        _depth_below_corner(above_side, reach),
+        _depth_below_corner(above_side, farther_rim),
         np.maximum(top, base + (low - high)),
     )
 

@@ -160,11 +160,11 @@ def _time_quotient(
     # numerator/denominator, and True where it is finite: the part moves on and arrives.
     has_distance = distance > 0
     with np.errstate(over="ignore", divide="ignore"):
-        q = np.where(has_distance, numerator, 0.0) / np.where(
+        quotient = np.where(has_distance, numerator, 0.0) / np.where(
             has_distance, np.where(speed > 0, denominator, 0.0), 1.0
         )
-    arrives = np.isfinite(q)
-    return np.where(arrives, q, 0.0), arrives
+    arrives = np.isfinite(quotient)
+    return np.where(arrives, quotient, 0.0), arrives
 
 
 def mean_velocity(

@@ -264,20 +264,22 @@ def intervals_of(speeds: Speeds) -> Intervals:
     kink, eight times as far as a parabola. Nor is the velocity below those of both neighbours'
     lines, which counts where it jumps. Of D is taken off what the velocities' own errors explain.
     """
-    v, error = speeds.velocity, speeds.error
+    velocity, error = speeds.velocity, speeds.error
     is_interval = (np.diff(speeds.cell) == 0) & (np.diff(speeds.stretch) == 0)
     width = np.where(is_interval, np.diff(speeds.at), 0.0)
     distance = width * speeds.length[1:]
-    slope = np.diff(v) / np.where(is_interval, distance, 1.0)
+    slope = np.diff(velocity) / np.where(is_interval, distance, 1.0)
     are_neighbours = is_interval[1:] & is_interval[:-1]
-    before = np.append(np.nan, np.where(are_neighbours, slope[:-1], np.nan))
-    after = np.append(np.where(are_neighbours, slope[1:], np.nan), np.nan)
+    slope_before = np.append(np.nan, np.where(are_neighbours, slope[:-1], np.nan))
+    slope_after = np.append(np.where(are_neighbours, slope[1:], np.nan), np.nan)
     own_error = np.fmax(error[1:], error[:-1])
-    bend = np.fmin(np.abs(slope - before), np.abs(slope - after)) * distance
+    bend = np.fmin(np.abs(slope - slope_before), np.abs(slope - slope_after)) * distance
     bend = np.fmax(bend - 3.0 * own_error, 0.0)
 
     def time(least: Array | float) -> Array:
-        return np.where(is_interval, distance * slowness(v[:-1] - least, v[1:] - least), 0.0)
+        return np.where(
+            is_interval, distance * slowness(velocity[:-1] - least, velocity[1:] - least), 0.0
+        )
 
     with np.errstate(invalid="ignore"):  # of times that are infinite
         duration = time(0.0)
@@ -285,8 +287,11 @@ def intervals_of(speeds: Speeds) -> Intervals:
             time(bend / 2.0) - duration,
             time(bend / 2.0 + own_error) - duration,
         )
-    extended = v[:-1] + np.fmin(before * distance, 0.0), v[1:] - np.fmax(after * distance, 0.0)
-    least = np.fmax(np.minimum(v[:-1], v[1:]) - bend, np.minimum(*extended))
+    extended = (
+        velocity[:-1] + np.fmin(slope_before * distance, 0.0),
+        velocity[1:] - np.fmax(slope_after * distance, 0.0),
+    )
+    least = np.fmax(np.minimum(velocity[:-1], velocity[1:]) - bend, np.minimum(*extended))
     least = np.where(is_interval, least, np.inf)
     fields_from_0 = ((0.0, width), (0.0, duration), (0.0, delay), (0.0, delay_with_errors))
     fields_from_inf = ((np.inf, least), (np.inf, least - own_error))

@@ -224,7 +224,9 @@ def on_unit(system: Scene, unit: ChosenUnit, contacts: Contacts) -> Scene:
     return replace(
         system,
         validity=f"{system.validity} Drive unit: {unit.scene.validity}",
-        variants={n: _equations(unit, contacts, given) for n, given in system.variants.items()},
-        conditions={name: _conditions(unit, given) for name, given in system.conditions.items()},
+        variants={
+            name: _equations(unit, contacts, known) for name, known in system.variants.items()
+        },
+        conditions={name: _conditions(unit, known) for name, known in system.conditions.items()},
         defaults={**defaults, **of_part, **(unit.shape.defaults if unit.shape else {})},
     )

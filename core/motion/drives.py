@@ -121,10 +121,12 @@ class Ellipse(Harmonics):
 
     def wave(self, **inputs: Array) -> waves.Wave:
         """Return the drive, as of harmonics of order 1."""
-        a, b, theta = (np.asarray(inputs.pop(name), dtype=float) for name in ELLIPSE)
+        semi_major, semi_minor, tilt = (
+            np.asarray(inputs.pop(name), dtype=float) for name in ELLIPSE
+        )
         components = {
-            "along": (a * cosine(theta), b * sine(theta)),
-            "normal": (a * sine(theta), -b * cosine(theta)),
+            "along": (semi_major * cosine(tilt), semi_minor * sine(tilt)),
+            "normal": (semi_major * sine(tilt), -semi_minor * cosine(tilt)),
         }
         for axis, (of_sine, of_cosine) in components.items():
             inputs[f"amplitude_{axis}_1"] = hypot(of_sine, of_cosine)
@@ -203,10 +205,11 @@ class Steps:
         for n in range(1, self.count + 1):
             if n != closing:
                 levels[n - 1] = inputs[f"acceleration_{axis}_{n}"]
-        if closing:
+        if closing:  # the step that is left out makes the mean 0
             levels[closing - 1] = ratio(
                 -(levels * duration_fractions).sum(axis=0), duration_fractions[closing - 1], 0.0
             )
+        # No track can have a mean acceleration: NaN, unless it is rounding.
         mean = (levels * duration_fractions).sum(axis=0)
         is_open = np.abs(mean) > CLOSED * (np.abs(levels) * duration_fractions).sum(axis=0)
         levels = np.where(is_open, np.nan, levels - mean)
@@ -551,5 +554,8 @@ def driven(system: Scene, shape: Shape) -> Scene:
         variants={
             name: under_wave(shape, equations) for name, equations in system.variants.items()
         },
-        defaults={**{n: v for n, v in system.defaults.items() if n != "alpha"}, **shape.defaults},
+        defaults={
+            **{name: value for name, value in system.defaults.items() if name != "alpha"},
+            **shape.defaults,
+        },
     )

@@ -121,7 +121,7 @@ def follow(
 ) -> tuple[NDArray[np.float64], float, float, bool]:
     """Return one cell's motion pieces, phase shift, direction sign, and True if they repeat.
 
-    `row` holds `Cell` and a wave; see the kernel `again.follow`.
+    `row` holds `Cell` and a wave; see the kernel `plane_cells.follow`.
     """
     table, status = np.empty((1, RESULTS)), np.full(1, STATUS["not_computed"], dtype=np.int8)
     solve_cells(row[np.newaxis], table, status, stop)
@@ -341,7 +341,7 @@ def path_of(request: TrajectoryRequest, contacts: Contacts) -> tuple[Path, NDArr
     if in_plane(request.groups, contacts):
         return planar_path(request.groups, **settings)
     path, modes = spatial_path(request.groups, contacts, **settings)
-    path.position[:, 0] -= path.position[0, 0]
+    path.position[:, 0] -= path.position[0, 0]  # it starts at 0, as in the plane
     return path, modes
 
 

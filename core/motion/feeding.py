@@ -234,7 +234,7 @@ def _rolling_in_words(table: "Table") -> str:
         ("runaway", f"it runs down at {range_in_words} m/s²"),
         ("neutral", "nothing conveys it, and it keeps the speed that it has"),
     ):
-        if share := float(np.mean(status == STATUS[name])):
-            in_cells = "" if share == 1 else f" in {percent(share)} of the cells"
+        if fraction := float(np.mean(status == STATUS[name])):
+            in_cells = "" if fraction == 1 else f" in {percent(fraction)} of the cells"
             sentences.append(f"The part does not travel{in_cells}: {words}.")
     return " ".join(sentences)

@@ -316,7 +316,7 @@ class PartLoad:
     ) -> tuple[Array, Array, Array, Mask]:
         # The root of the excess between the rows `index` and `index + 1` of the curve. Where the
         # load still differs at the root, the motion jumps there: it is found again on the straight
-        # line.
+        # line. Return amplitude, mass and damping, and True where the motion jumps.
         low, mass, damping = (values[index] for values in curve[1:4])
         high, next_mass, next_damping = (values[index + 1] for values in curve[1:4])
         exact = curve.exact[index]

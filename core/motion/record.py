@@ -91,8 +91,8 @@ class Record:
         """
         turns, within = np.divmod(phases, TURN)
         integral = self.push.antiderivative(integrals)
-        moved: Array = -(integral(within)[..., axis] + turns * integral(TURN)[axis])
-        return moved
+        movement: Array = -(integral(within)[..., axis] + turns * integral(TURN)[axis])
+        return movement
 
     def pieces(
         self, drive: tuple[float, float, float], begin: float, end: float

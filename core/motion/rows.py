@@ -237,9 +237,9 @@ def _runs_away(rows: Array) -> NDArray[np.bool_]:
         np.abs(along)[:, np.newaxis] - _own_numbers(rows, own_columns.static) * load[:, np.newaxis]
     )
     pull = np.where(_part_exists(rows), _own_numbers(rows, own_columns.mass) * pull, 0.0)
-    behind = (along > 0) & (np.cumsum(pull, axis=1) > 0).any(axis=1)
-    in_front = (along < 0) & (np.cumsum(pull[:, ::-1], axis=1) > 0).any(axis=1)
-    return np.asarray(behind | (in_front & (rows[:, head.stop] == STOPS.index("none"))))
+    rear_leaves = (along > 0) & (np.cumsum(pull, axis=1) > 0).any(axis=1)
+    front_leaves = (along < 0) & (np.cumsum(pull[:, ::-1], axis=1) > 0).any(axis=1)
+    return np.asarray(rear_leaves | (front_leaves & (rows[:, head.stop] == STOPS.index("none"))))
 
 
 def _merge_equal_parts(rows: Array, has_one_friction: NDArray[np.bool_]) -> Array:

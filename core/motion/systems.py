@@ -219,7 +219,7 @@ def _conveying(
     *,
     in_space: tuple[Equation, ...],
     defaults: Mapping[str, float] = MappingProxyType({}),
-    more: str = "",
+    more_validity: str = "",
 ) -> Scene:
     # A scene of one part that is conveyed, with a variant for each method that can follow its
     # contacts; `in_space` are the equations up to its groups.
@@ -241,12 +241,12 @@ def _conveying(
         return (*in_space, *conveying, *scales.BURST_RESULTS)
 
     def conditions(method: Method) -> tuple[Condition, ...]:
-        more = [LEAVES_THE_WALL] if contacts.wall else []
+        track_conditions = [LEAVES_THE_WALL] if contacts.wall else []
         if method.energy is not None:
-            more.append(scales.WORK_UNBOUNDED)
+            track_conditions.append(scales.WORK_UNBOUNDED)
         # They give way to what has no answer, as that of the efficiency does.
         index = [item.regime for item in CONDITIONS].index("unbounded")
-        ordered = (*CONDITIONS[:index], *more, *CONDITIONS[index:])
+        ordered = (*CONDITIONS[:index], *track_conditions, *CONDITIONS[index:])
         if not contacts.rolling:
             return ordered
         return tuple(replace(item, outputs=item.outputs - {ACROSS.gives}) for item in ordered)
@@ -255,7 +255,7 @@ def _conveying(
         name=name,
         title=title,
         source="theory 13",
-        validity=VALIDITY + more,
+        validity=VALIDITY + more_validity,
         variants={method.name: equations(method) for method in methods},
         default_variant="events",
         conditions={method.name: conditions(method) for method in methods},
@@ -397,9 +397,9 @@ SYSTEMS: dict[str, Scene] = {
         "Motion in time of a rectangular part on the track, with floor and wall",
         in_space=ON_TRACK,
         defaults={"delta": 0.0, "curvature_number": 0.0},
-        more=" The wall has the kinetic friction and the restitution of the floor unless the study "
-        "gives its own; its static friction is its kinetic one. The track is straight unless the "
-        "study gives its radius.",
+        more_validity=" The wall has the kinetic friction and the restitution of the floor unless "
+        "the study gives its own; its static friction is its kinetic one. The track is straight "
+        "unless the study gives its radius.",
     ),
     plate.PLATE: _on_plate(),
     **tumbling_scene.SCENES,

@@ -68,7 +68,7 @@ def rectangle(*, length: Array, height: Array) -> Body:
         isolated.half_diagonal(height=b, length=h),
         isolated.rectangle_inertia_ratio(),
         isolated.corner_angle(height=b, length=h),
-        np.ones(()),
+        turning=np.ones(()),
     )
 
 
@@ -84,7 +84,7 @@ def cylinder(*, length: Array, diameter: Array) -> Body:
         isolated.half_diagonal(height=d, length=h),
         isolated.cylinder_inertia_ratio(corner_direction=direction),
         isolated.corner_angle(height=d, length=h),
-        np.ones(()),
+        turning=np.ones(()),
     )
 
 

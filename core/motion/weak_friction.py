@@ -161,11 +161,9 @@ class _AveragedFriction(NamedTuple):
 
 
 def _mean_direction(start: Array, end: Array) -> Array:
-    """Return the mean of r/|r| over straight ways from `start` to `end`, shape (2, intervals).
-
-    With the unit vector d along a way, r = s d + h: the mean of s/|r| is (s1 + s0)/(|r1| + |r0|),
-    that of h/|r| is h (asinh(s1/h) - asinh(s0/h))/(s1 - s0).
-    """
+    # The mean of r/|r| over straight chords from `start` to `end`, shape (2, intervals). With the
+    # unit vector d along a chord, r = s d + h: the mean of s/|r| is (s1 + s0)/(|r1| + |r0|), that
+    # of h/|r| is h (asinh(s1/h) - asinh(s0/h))/(s1 - s0).
     chord = end - start
     length = _size(chord)
     d = chord / length

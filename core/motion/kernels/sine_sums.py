@@ -160,6 +160,8 @@ def passages_in_piece(
     row: int, count: int, capacity: int,
 ) -> tuple[int, float]:  # fmt: skip
     """Write the phases in [low, high] at which a sum of sines S passes a level, by halving."""
+    # By the rules of `passages`; pieces are halved where needed, and doubled after each. Return the
+    # number of phases written so far, and S - level at `high`.
     tau, step = low, 0.5 * (high - low)
     while tau < high:
         step = min(step, high - tau)

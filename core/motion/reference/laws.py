@@ -219,40 +219,47 @@ class ReferenceLaws:
         along in g/w (w = 2 pi f), `e` the direction of slip (two components). All may be arrays
         over phases.
         """
-        groups, (dx, dy, dz) = self.groups, self.free(phase, ux)
+        groups, (free_x, free_y, free_z) = self.groups, self.free(phase, ux)
         if mode.floor and mode.wall:
             if not mode.slips:
-                return Forces(-dz, -dy, (0.0, 0.0, 0.0, 0.0))
+                return Forces(-free_z, -free_y, (0.0, 0.0, 0.0, 0.0))
             mu_floor, mu_wall, e_2 = groups.friction_kinetic, groups.wall_friction, e[1]
-            normal = (-dz + mu_wall * e_2 * dy) / (1.0 + mu_wall * mu_floor * e_2 * e_2)
-            side = -dy + mu_floor * e_2 * normal
+            normal = (-free_z + mu_wall * e_2 * free_y) / (1.0 + mu_wall * mu_floor * e_2 * e_2)
+            side = -free_y + mu_floor * e_2 * normal
             drag = mu_floor * normal + mu_wall * side
             return Forces(
-                normal, side, (dx - drag * e[0], 0.0, 0.0, -self.contacts.rolling * drag * e_2)
+                normal, side, (free_x - drag * e[0], 0.0, 0.0, -self.contacts.rolling * drag * e_2)
             )
         if mode.floor:
             if mode.slips:
                 friction_x, friction_y = (
-                    groups.friction_kinetic * dz * component for component in e
+                    groups.friction_kinetic * free_z * component for component in e
                 )
             else:
-                friction_x, friction_y = -dx, -dy / self.response
+                friction_x, friction_y = -free_x, -free_y / self.response
             return Forces(
-                -dz,
+                -free_z,
                 0.0,
-                (dx + friction_x, dy + friction_y, 0.0, self.contacts.rolling * friction_y),
+                (free_x + friction_x, free_y + friction_y, 0.0, self.contacts.rolling * friction_y),
             )
         if mode.wall:
             if mode.slips:
-                friction_x, friction_z = (groups.wall_friction * dy * component for component in e)
+                friction_x, friction_z = (
+                    groups.wall_friction * free_y * component for component in e
+                )
             else:
-                friction_x, friction_z = -dx, -dz / self.response
+                friction_x, friction_z = -free_x, -free_z / self.response
             return Forces(
                 0.0,
-                -dy,
-                (dx + friction_x, 0.0, dz + friction_z, -self.contacts.rolling * friction_z),
+                -free_y,
+                (
+                    free_x + friction_x,
+                    0.0,
+                    free_z + friction_z,
+                    -self.contacts.rolling * friction_z,
+                ),
             )
-        return Forces(0.0, 0.0, (dx, dy, dz, 0.0))
+        return Forces(0.0, 0.0, (free_x, free_y, free_z, 0.0))
 
     def slip(self, mode: Mode, state: Array) -> tuple[float, float]:
         """Return the two components of the slip at the contacts of a mode, in g/w (w = 2 pi f).
@@ -275,10 +282,16 @@ class ReferenceLaws:
         in the direction `angle` in rad, at the `phase` in rad; all may be arrays. `mode` holds the
         contacts, which determine the two axes of the slip.
         """
-        e = np.cos(angle), np.sin(angle)
-        ax, ay, az, spin = self.forces(phase, mode, size * e[0], e).rates
-        second = spin if mode.floor and mode.wall else ay + spin if mode.floor else az - spin
-        return e[0] * ax + e[1] * second, e[0] * second - e[1] * ax
+        direction = np.cos(angle), np.sin(angle)
+        rate_x, rate_y, rate_z, spin = self.forces(
+            phase, mode, size * direction[0], direction
+        ).rates
+        second = (
+            spin if mode.floor and mode.wall else rate_y + spin if mode.floor else rate_z - spin
+        )
+        return direction[0] * rate_x + direction[1] * second, direction[0] * second - direction[
+            1
+        ] * rate_x
 
     def impending(self, phase: Numbers, mode: Mode) -> tuple[Numbers, Numbers, Numbers, Numbers]:
         """Return the push on a part at rest (two components), kinetic and static friction, in g.
@@ -287,18 +300,23 @@ class ReferenceLaws:
         directions in which the contacts of `mode` may slip: along, and across on the floor, normal
         at the wall, 0 at both. `phase` is in rad, or an array of phases.
         """
-        groups, (dx, dy, dz) = self.groups, self.free(phase, 0.0)
+        groups, (free_x, free_y, free_z) = self.groups, self.free(phase, 0.0)
         if mode.floor and mode.wall:
-            wall_friction = -groups.wall_friction * dy
+            wall_friction = -groups.wall_friction * free_y
             return (
-                dx,
+                free_x,
                 0.0,
-                -groups.friction_kinetic * dz + wall_friction,
-                -groups.friction_static * dz + wall_friction,
+                -groups.friction_kinetic * free_z + wall_friction,
+                -groups.friction_static * free_z + wall_friction,
             )
         if mode.floor:
-            return dx, dy, -groups.friction_kinetic * dz, -groups.friction_static * dz
-        return dx, dz, -groups.wall_friction * dy, -groups.wall_friction * dy
+            return (
+                free_x,
+                free_y,
+                -groups.friction_kinetic * free_z,
+                -groups.friction_static * free_z,
+            )
+        return free_x, free_z, -groups.wall_friction * free_y, -groups.wall_friction * free_y
 
     def excess(self, phase: Numbers, mode: Mode) -> Numbers:
         """Return the push squared minus static friction squared, in g^2; slip begins above 0."""
@@ -349,5 +367,5 @@ class ReferenceLaws:
         """
         if math.hypot(first, second / self.response) <= limit:
             return -first, -second / self.response
-        e = self.secular(first, second, limit)
-        return -limit * e[0], -limit * e[1]
+        direction = self.secular(first, second, limit)
+        return -limit * direction[0], -limit * direction[1]

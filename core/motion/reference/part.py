@@ -87,9 +87,9 @@ class Part:
         """
         self.put_on_contacts()
         for _ in range(3):
-            _, dy, dz = self.laws.free(self.phase, float(self.state[UX]))
-            floor = self.on_floor and lost_contact != "floor" and dz < 0.0
-            wall = self.on_wall and lost_contact != "wall" and dy < 0.0
+            _, free_y, free_z = self.laws.free(self.phase, float(self.state[UX]))
+            floor = self.on_floor and lost_contact != "floor" and free_z < 0.0
+            wall = self.on_wall and lost_contact != "wall" and free_y < 0.0
             if not (floor or wall):
                 return Mode(False, False, True)
             mode = Mode(floor, wall, True)
@@ -100,8 +100,8 @@ class Part:
                 begins = lost_contact == "slip" or self.laws.excess(self.phase, mode) > 0.0
                 return Mode(floor, wall, bool(begins))
             size = math.hypot(*slip)
-            e = (slip[0] / size, slip[1] / size)
-            forces = self.laws.forces(self.phase, mode, float(self.state[UX]), e)
+            direction = (slip[0] / size, slip[1] / size)
+            forces = self.laws.forces(self.phase, mode, float(self.state[UX]), direction)
             if floor and forces.normal < 0.0:
                 lost_contact = "floor"
             elif wall and forces.side < 0.0:
@@ -116,14 +116,19 @@ class Part:
         A slip along the wall may stop during the last hops on the floor: it would otherwise begin
         anew for ever, with a stretch longer than a hop.
         """
-        s = self.state
-        _, dy, dz = self.laws.free(self.phase, float(s[UX]))
-        if not self.on_floor and dz < 0.0 and abs(s[Z]) <= TOUCHING and abs(s[UZ]) <= STOPPED:
-            s[Z], s[UZ], self.on_floor = 0.0, 0.0, True
+        state = self.state
+        _, free_y, free_z = self.laws.free(self.phase, float(state[UX]))
+        if (
+            not self.on_floor
+            and free_z < 0.0
+            and abs(state[Z]) <= TOUCHING
+            and abs(state[UZ]) <= STOPPED
+        ):
+            state[Z], state[UZ], self.on_floor = 0.0, 0.0, True
         if not self.laws.contacts.wall or self.on_wall:
             return
-        if dy < 0.0 and abs(s[Y]) <= TOUCHING and abs(s[UY]) <= STOPPED:
-            s[Y], s[UY], self.on_wall = 0.0, 0.0, True
+        if free_y < 0.0 and abs(state[Y]) <= TOUCHING and abs(state[UY]) <= STOPPED:
+            state[Y], state[UY], self.on_wall = 0.0, 0.0, True
 
     def stop(self, mode: Mode) -> None:
         """Set a slip that has come to zero within rounding to exactly zero.
@@ -132,16 +137,16 @@ class Part:
         a cylinder that does not touch both floor and wall keeps the second component, and gets the
         spin with which it rolls.
         """
-        s, rolling = self.state, self.laws.contacts.rolling
-        s[UX] = 0.0
+        state, rolling = self.state, self.laws.contacts.rolling
+        state[UX] = 0.0
         if mode.floor and mode.wall:
-            s[SPIN] = 0.0
+            state[SPIN] = 0.0
         elif mode.floor:
-            s[UY] = 0.0 if rolling == 0.0 else s[UY]
-            s[SPIN] = -s[UY] if rolling else 0.0
+            state[UY] = 0.0 if rolling == 0.0 else state[UY]
+            state[SPIN] = -state[UY] if rolling else 0.0
         else:
-            s[UZ] = 0.0 if rolling == 0.0 else s[UZ]
-            s[SPIN] = s[UZ] if rolling else 0.0
+            state[UZ] = 0.0 if rolling == 0.0 else state[UZ]
+            state[SPIN] = state[UZ] if rolling else 0.0
 
     # --- events
 
@@ -195,10 +200,10 @@ class Part:
         The search for events finds only conditions that change sign later on, so that an impact at
         the very phase of another event would be missed.
         """
-        s = self.state
-        if s[Z] <= 0.0 and s[UZ] < -STOPPED:
+        state = self.state
+        if state[Z] <= 0.0 and state[UZ] < -STOPPED:
             return "land"
-        if self.laws.contacts.wall and s[Y] <= 0.0 and s[UY] < -STOPPED:
+        if self.laws.contacts.wall and state[Y] <= 0.0 and state[UY] < -STOPPED:
             return "bump"
         return ""
 
@@ -354,49 +359,50 @@ class Part:
         13.1). Contacts without velocity off them carry the part afterwards. Raises `FailedError` if
         500 rounds do not suffice.
         """
-        groups, rolling, s = self.laws.groups, self.laws.contacts.rolling, self.state
-        _, dy, dz = self.laws.free(self.phase, float(s[UX]))
+        groups, rolling, state = self.laws.groups, self.laws.contacts.rolling, self.state
+        _, free_y, free_z = self.laws.free(self.phase, float(state[UX]))
         target_z = (
-            self.soft_rebound(-float(s[UZ]), groups.impact_damping, -float(dz))
+            self.soft_rebound(-float(state[UZ]), groups.impact_damping, -float(free_z))
             if groups.impact_damping > 0.0
-            else self.rebound(-float(s[UZ]), groups.restitution, -float(dz))
+            else self.rebound(-float(state[UZ]), groups.restitution, -float(free_z))
         )
-        target_y = self.rebound(-float(s[UY]), groups.wall_restitution, -float(dy))
+        target_y = self.rebound(-float(state[UY]), groups.wall_restitution, -float(free_y))
         floor_impulse = wall_impulse = floor_x = floor_y = wall_x = wall_z = 0.0
         for _ in range(500):
-            before = (floor_impulse, wall_impulse, floor_x, floor_y, wall_x, wall_z)
+            impulses_before = (floor_impulse, wall_impulse, floor_x, floor_y, wall_x, wall_z)
             if floor:
-                new_impulse = max(0.0, floor_impulse - (s[UZ] - target_z))
-                s[UZ] += new_impulse - floor_impulse
+                new_impulse = max(0.0, floor_impulse - (state[UZ] - target_z))
+                state[UZ] += new_impulse - floor_impulse
                 floor_impulse = new_impulse
             if wall:
-                new_impulse = max(0.0, wall_impulse - (s[UY] - target_y))
-                s[UY] += new_impulse - wall_impulse
+                new_impulse = max(0.0, wall_impulse - (state[UY] - target_y))
+                state[UY] += new_impulse - wall_impulse
                 wall_impulse = new_impulse
             if floor:
                 new_x, new_y = self.laws.stopping(
-                    s[UX] - floor_x,
-                    s[UY] + s[SPIN] - self.laws.response * floor_y,
+                    state[UX] - floor_x,
+                    state[UY] + state[SPIN] - self.laws.response * floor_y,
                     groups.friction_kinetic * floor_impulse,
                 )
-                s[UX] += new_x - floor_x
-                s[UY] += new_y - floor_y
-                s[SPIN] += rolling * (new_y - floor_y)
+                state[UX] += new_x - floor_x
+                state[UY] += new_y - floor_y
+                state[SPIN] += rolling * (new_y - floor_y)
                 floor_x, floor_y = new_x, new_y
             if wall:
                 new_x, new_z = self.laws.stopping(
-                    s[UX] - wall_x,
-                    s[UZ] - s[SPIN] - self.laws.response * wall_z,
+                    state[UX] - wall_x,
+                    state[UZ] - state[SPIN] - self.laws.response * wall_z,
                     groups.wall_friction * wall_impulse,
                 )
-                s[UX] += new_x - wall_x
-                s[UZ] += new_z - wall_z
-                s[SPIN] -= rolling * (new_z - wall_z)
+                state[UX] += new_x - wall_x
+                state[UZ] += new_z - wall_z
+                state[SPIN] -= rolling * (new_z - wall_z)
                 wall_x, wall_z = new_x, new_z
-            after = (floor_impulse, wall_impulse, floor_x, floor_y, wall_x, wall_z)
+            impulses = (floor_impulse, wall_impulse, floor_x, floor_y, wall_x, wall_z)
             if (
                 max(
-                    abs(impulse - previous) for impulse, previous in zip(after, before, strict=True)
+                    abs(impulse - previous)
+                    for impulse, previous in zip(impulses, impulses_before, strict=True)
                 )
                 < 1e-15
             ):
@@ -404,11 +410,11 @@ class Part:
         else:
             raise FailedError
         if floor:
-            self.on_floor = abs(s[UZ]) <= STOPPED
-            s[UZ] = 0.0 if self.on_floor else s[UZ]
+            self.on_floor = abs(state[UZ]) <= STOPPED
+            state[UZ] = 0.0 if self.on_floor else state[UZ]
         if wall:
-            self.on_wall = abs(s[UY]) <= STOPPED
-            s[UY] = 0.0 if self.on_wall else s[UY]
+            self.on_wall = abs(state[UY]) <= STOPPED
+            state[UY] = 0.0 if self.on_wall else state[UY]
 
     def rebound(self, approach: float, restitution: float, load: float) -> float:
         """Return the speed of a part after an impact in g/w; 0 if a run of hops ends here.

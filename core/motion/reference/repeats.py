@@ -117,8 +117,10 @@ class ReferenceRun:
     def __init__(self, laws: ReferenceLaws, watch: Watch) -> None:
         self.laws, self.watch = laws, watch
         self.part = Part(laws, np.zeros(7), watch=watch)
-        p = laws.groups
-        self.scale = (math.hypot(*p.drive) if p.wave is None else float(size(p.wave))) or 1.0
+        groups = laws.groups
+        self.scale = (
+            math.hypot(*groups.drive) if groups.wave is None else float(size(groups.wave))
+        ) or 1.0
         self.before: list[Array] = []
         self.after: list[Array] = []
         self.flags: list[tuple[bool, bool]] = []
@@ -331,10 +333,10 @@ class ReferenceRun:
         self.look_at += min(16, 2**self.looks)
 
     def affords(self, multiple: int) -> bool:
-        """True if a look at a cycle of `multiple` periods is worth its cost; then counts it.
+        """True if measuring a cycle of `multiple` periods is worth its cost; then counts it.
 
-        A look follows the cycle again for each number of the state, and once more. Looks may take
-        as many periods as were followed, and 20 more.
+        That follows the cycle again for each number of the state, and once more. It may take as
+        many periods in all as were followed, and 20 more.
         """
         cost = multiple * (len(self.indices(multiple)) + 1)
         if self.looked + cost > len(self.after) + LOOKS:
@@ -385,9 +387,10 @@ class ReferenceRun:
         column that failed.
         """
         start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
+        # A part on floor or wall stays there, and nothing moves one across that nothing pushes.
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
-        p = self.laws.groups
-        if not (p.drive_number_across or p.gravity_number_across):
+        groups = self.laws.groups
+        if not (groups.drive_number_across or groups.gravity_number_across):
             fixed += [Y, UY]
         indices = [index for index in self.indices(multiple) if index not in fixed]
         growth = np.zeros((len(indices), len(indices)))

@@ -108,10 +108,10 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
     stack = [(0.0, 1.0, coefficients)]
     while stack:
         start, width, series = stack.pop()
-        first, others = float(series[0]), float(np.abs(series[1:]).sum())
-        if abs(first) + others < NOISE:
+        first, other_terms = float(series[0]), float(np.abs(series[1:]).sum())
+        if abs(first) + other_terms < NOISE:
             continue
-        if abs(first) > others:
+        if abs(first) > other_terms:
             if was_positive is not None and was_positive != (first > 0.0):
                 yield start, 1 if first > 0.0 else -1
             was_positive = first > 0.0
@@ -375,9 +375,11 @@ def _straight(
             break
     else:
         return None
-    e = math.cos(angle), math.sin(angle)
-    e = (math.copysign(1.0, e[0]), 0.0) if abs(e[1]) < STRAIGHT else e
-    return Slip(size, rate, e, length * float(np.abs(LAST @ rate).max()))
+    direction = math.cos(angle), math.sin(angle)
+    direction = (
+        (math.copysign(1.0, direction[0]), 0.0) if abs(direction[1]) < STRAIGHT else direction
+    )
+    return Slip(size, rate, direction, length * float(np.abs(LAST @ rate).max()))
 
 
 def _turning(
@@ -423,5 +425,5 @@ def _turning(
         return None
     angle = first_angle + integral @ angle_rate
     last_terms = np.abs(LAST @ rate).max() + largest * np.abs(LAST @ angle_rate).max()
-    e = np.cos(angle), np.sin(angle)
-    return Slip(first_size + integral @ rate, rate, e, length * float(last_terms))
+    direction = np.cos(angle), np.sin(angle)
+    return Slip(first_size + integral @ rate, rate, direction, length * float(last_terms))

@@ -98,18 +98,20 @@ def contact(
         duration = end - phase if stop < 0 else stop
         mode = MODE.forward if sign > 0 else MODE.backward
         log_rows = write_piece(log, log_rows, phase, duration, mode, slip, 0.0, sums[DISTANCE])
-        after, distance = slide(drive, sign, slip, phase, duration)
+        slip_after, distance = slide(drive, sign, slip, phase, duration)
         sums[DISTANCE] += distance
         sums[TIMES + mode] += duration
         if stop < 0:
-            return (after if after * sign > 0 else 0.0), derivative, log_rows
+            return (slip_after if slip_after * sign > 0 else 0.0), derivative, log_rows
         phase += duration
         slip = 0.0
         if derivative > 0 and not holds(drive, phase):
             # The part turns round at once: a later stop shortens the way back.
-            before = slip_acceleration(drive, sign, phase)
-            after = slip_acceleration(drive, -sign, phase)
-            derivative = derivative * after / before if before != 0 else 0.0
+            slip_rate_before = slip_acceleration(drive, sign, phase)
+            slip_rate_after = slip_acceleration(drive, -sign, phase)
+            derivative = (
+                derivative * slip_rate_after / slip_rate_before if slip_rate_before != 0 else 0.0
+            )
     return slip, derivative, -1
 
 
@@ -314,16 +316,16 @@ def slides_away(
 
     `derivative` is 1 if it only slid; mu_k n < |sin(gamma)| (theory 13.8).
     """
-    gs = drive.gravity_along
-    uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)]
+    gravity_along = drive.gravity_along
+    uphill = sums[TIMES + (MODE.forward if gravity_along > 0 else MODE.backward)]
     slid_down = derivative == 1 and uphill == 0 and sums[TIMES + MODE.stick] == 0
-    is_steep = drive.mu_k * drive.gravity_normal < abs(gs)
+    is_steep = drive.mu_k * drive.gravity_normal < abs(gravity_along)
     return (
         is_steep
         and slid_down
-        and (slip_after - slip) * gs < 0
-        and slip * gs < 0
-        and slip_after * gs < 0
+        and (slip_after - slip) * gravity_along < 0
+        and slip * gravity_along < 0
+        and slip_after * gravity_along < 0
     )
 
 
@@ -457,7 +459,7 @@ def fill_repeating(
     sums: Floats, log: Floats, result: Floats, stop: Stop,
 ) -> tuple[int, float]:  # fmt: skip
     """Fill `result` with the means of a motion that repeats; return its status and slip."""
-    c, s, gs, gn, mu_s, mu_k = (
+    push_along, push_normal, gravity_along, gravity_normal, mu_s, mu_k = (
         drive.push_along,
         drive.push_normal,
         drive.gravity_along,
@@ -486,11 +488,17 @@ def fill_repeating(
     time = periods * cycles * TURN
     result[COLUMN.velocity], result[COLUMN.spread] = sums[DISTANCE] / time, 0.0
     sliding_fraction = (sums[TIMES + MODE.forward] + sums[TIMES + MODE.backward]) / time
-    e = restitution_of(cell)
-    phase_error = ROUNDING + (phase_uncertainty(segments, count, drive, e) if lifts(drive) else 0.0)
-    friction_bound = mu_k * (s + gn) * min(1.0, MAX_RUBBING * sliding_fraction)
-    result[COLUMN.error] = error + phase_error * (c + abs(gs) + friction_bound)
-    result[COLUMN.error] += mu_k * soft_hop_errors(segments, count, drive, e)[0] / (periods * TURN)
+    restitution = restitution_of(cell)
+    phase_error = ROUNDING + (
+        phase_uncertainty(segments, count, drive, restitution) if lifts(drive) else 0.0
+    )
+    friction_bound = (
+        mu_k * (push_normal + gravity_normal) * min(1.0, MAX_RUBBING * sliding_fraction)
+    )
+    result[COLUMN.error] = error + phase_error * (push_along + abs(gravity_along) + friction_bound)
+    result[COLUMN.error] += (
+        mu_k * soft_hop_errors(segments, count, drive, restitution)[0] / (periods * TURN)
+    )
     if mu_s > mu_k and sums[TIMES + MODE.stick] > 0.0:
         result[COLUMN.error] += slip_uncertainty(drive) * sliding_fraction
     for mode in range(MODES):

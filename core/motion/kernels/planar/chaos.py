@@ -123,13 +123,13 @@ def slip_after_landing(
 
 @compiled
 def flight_and_landing(
-    drive: Drive, e: Restitution, slip: float, take_off: float, tau: float, span: float
+    drive: Drive, restitution: Restitution, slip: float, take_off: float, tau: float, span: float
 ) -> tuple[float, float, float, float, bool]:
     """Return landing speed, rebound, slip and distance of a flight, and True if the part stays."""
     landing_speed = max(0.0, -rise(drive, take_off, tau, span)[0])
-    rebound_speed = rebound(e, landing_speed)[0]
+    rebound_speed = rebound(restitution, landing_speed)[0]
     slip, distance = fly(drive, slip, tau, span)
-    stays = rests(drive, (tau + span) % TURN, rebound_speed, e, SETTLED_ROUGHLY)
+    stays = rests(drive, (tau + span) % TURN, rebound_speed, restitution, SETTLED_ROUGHLY)
     return (
         landing_speed,
         rebound_speed,
@@ -144,10 +144,12 @@ def first_flight(
     number: int, phase: float, drive: Drive, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float, float, bool]:
     """Return the first lift-off of a long run: slip, take-off speed, phase, and time before it."""
+    # The last value is True if the part lay on the floor before. Runs start at equal phases; each
+    # further round of them is shifted by the golden ratio.
     tau = (phase + TURN * (number + GOLDEN * (number // PHASES)) / PHASES) % TURN
     if load(drive, tau) > 0.0:
-        u, tau, span = contact_to_lift_off(drive, tau, 0.0, sums, no_log)
-        return u, jolt_speed(number, drive.gravity_normal), tau, span, True
+        slip, tau, span = contact_to_lift_off(drive, tau, 0.0, sums, no_log)
+        return slip, jolt_speed(number, drive.gravity_normal), tau, span, True
     return 0.0, 0.0, tau, 0.0, False
 
 
@@ -178,7 +180,7 @@ def widened(least: float, most: float, velocity: float) -> tuple[float, float]:
 
 @compiled
 def long_run(
-    run: int, phase: float, periods: int, patience: int, drive: Drive, e: Restitution,
+    run: int, phase: float, periods: int, patience: int, drive: Drive, restitution: Restitution,
     travel: Floats, rows: Floats, sums: Floats, stop: Stop,
 ) -> FollowedRun:  # fmt: skip
     """Follow a part for `periods` periods from rest, and return sums and extremes of its motion.
@@ -187,7 +189,7 @@ def long_run(
     is over all ways that the part may take. If it falls into a cycle of hops, `rows` start with
     that.
     """
-    gs, gn, mu_k = drive.gravity_along, drive.gravity_normal, drive.mu_k
+    gravity_along, gravity_normal, mu_k = drive.gravity_along, drive.gravity_normal, drive.mu_k
     no_log = np.empty((0, len(PIECE)))
     settling_phase = periods * SETTLING * TURN
     max_hops = HOPS_PER_PERIOD * periods + FIRST_LOOK
@@ -195,10 +197,10 @@ def long_run(
     settling_hops = int(max_hops * SETTLING)
     sums[:], travel[:] = 0.0, 0.0
     complete_periods = 0
-    slip_at_begin, slips_down = 0.0, mu_k * gn < abs(gs)
+    slip_at_begin, slips_down = 0.0, mu_k * gravity_normal < abs(gravity_along)
     hops_since_rest, next_search, jolt_number = 0, FIRST_LOOK, run
     dropped_distance, rest_distance, rest_time = 0.0, math.nan, 0.0
-    least, most = math.inf, -math.inf
+    least, largest = math.inf, -math.inf
     slip, take_off, tau, elapsed, began_at_rest = first_flight(run, phase, drive, sums, no_log)
     if began_at_rest:
         rest_distance, rest_time = sums[DISTANCE], elapsed
@@ -220,7 +222,7 @@ def long_run(
         if span < 0:
             break
         landing_speed, rebound_speed, slip_next, distance, stays_down = flight_and_landing(
-            drive, e, slip, take_off, tau, span
+            drive, restitution, slip, take_off, tau, span
         )
         write_segment(
             rows,
@@ -229,7 +231,7 @@ def long_run(
             span,
             take_off,
             landing_speed,
-            impulse(e, landing_speed, rebound_speed),
+            impulse(restitution, landing_speed, rebound_speed),
         )
         hops_since_rest += 1
         time_before, distance_before = elapsed - begin, sums[DISTANCE]
@@ -245,17 +247,17 @@ def long_run(
                 drive, tau, slip_after_hops(drive, tau, slip, take_off), sums, no_log
             )
             jolt_number += MAX_STARTS
-            take_off, elapsed = jolt_speed(jolt_number, gn), elapsed + span
+            take_off, elapsed = jolt_speed(jolt_number, gravity_normal), elapsed + span
             hops_since_rest, next_search = 0, FIRST_LOOK
             # The mean velocity from rest to rest, which bounds what another start may give.
             velocity = (dropped_distance + sums[DISTANCE] - rest_distance) / (elapsed - rest_time)
-            least, most = widened(least, most, velocity)
+            least, largest = widened(least, largest, velocity)
             rest_distance, rest_time = dropped_distance + sums[DISTANCE], elapsed
         elif hops_since_rest >= next_search and patience > 0:
             next_search = hops_since_rest + hops_since_rest // 2
-            cycle, turns = find_cycle(drive, e, rows, hops_since_rest, tau, take_off)
+            cycle, turns = find_cycle(drive, restitution, rows, hops_since_rest, tau, take_off)
             if cycle:
-                return FollowedRun(TURN * turns, 0, 0, 0.0, 0.0, False, least, most, cycle)
+                return FollowedRun(TURN * turns, 0, 0, 0.0, 0.0, False, least, largest, cycle)
         if hops_since_rest >= MAX_SEGMENTS - LONGEST_CYCLE - 2:  # no room for more hops
             hops_since_rest, next_search = 0, FIRST_LOOK
         if begin < math.inf:
@@ -266,11 +268,11 @@ def long_run(
                 elapsed - begin,
                 sums[DISTANCE] - distance_before,
             )
-            slips_down = slips_down and slip * gs < 0
-    has_run_away = ran_away(slips_down, gs, slip_at_begin, slip, sums)
+            slips_down = slips_down and slip * gravity_along < 0
+    has_run_away = ran_away(slips_down, gravity_along, slip_at_begin, slip, sums)
     time = max(0.0, elapsed - begin)
     return FollowedRun(
-        time, complete_periods, impacts, fastest, highest, has_run_away, least, most, 0
+        time, complete_periods, impacts, fastest, highest, has_run_away, least, largest, 0
     )
 
 
@@ -347,12 +349,14 @@ def fill_means_from_phases(
     means: `sensitive`.
     """
     drive = rounded(drive)
-    e = Restitution(rounded_to_32_bits(cell.restitution), rounded_to_32_bits(cell.impact_damping))
+    restitution = Restitution(
+        rounded_to_32_bits(cell.restitution), rounded_to_32_bits(cell.impact_damping)
+    )
     max_periods = int(cell.max_periods)
     starts = min(MAX_STARTS, max(PHASES, max_periods // PERIODS_A_START))
     runs, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))
     count, cycles, cycle_error = 0, 0, 0.0
-    least, most = math.inf, -math.inf
+    least, largest = math.inf, -math.inf
     periods = max(1, max_periods // PHASES)
     travel = np.empty(int((1.0 - SETTLING) * periods))
     for number in range(starts):
@@ -363,10 +367,12 @@ def fill_means_from_phases(
                 travel[:0],
             )
         hops_to_wait = patience(number, cycles)
-        run = long_run(number, phase, periods, hops_to_wait, drive, e, travel, rows, sums, stop)
+        run = long_run(
+            number, phase, periods, hops_to_wait, drive, restitution, travel, rows, sums, stop
+        )
         if is_last_search and run.hops == 0:
             break
-        least, most = min(least, run.least), max(most, run.most)
+        least, largest = min(least, run.least), max(largest, run.most)
         means = runs[count]
         status = fill_run_means(run, phase, cell, drive, rows, sums, means, stop)
         if status == STATUS.limit_reached:
@@ -402,6 +408,6 @@ def fill_means_from_phases(
         result[COLUMN.error] = batch_error(quarters[:count])
         return STATUS.aperiodic
     mean = result[COLUMN.velocity]
-    least, most = min(least, velocities.min()), max(most, velocities.max())
-    result[COLUMN.error] = max(mean - least, most - mean) + cycle_error
+    least, largest = min(least, velocities.min()), max(largest, velocities.max())
+    result[COLUMN.error] = max(mean - least, largest - mean) + cycle_error
     return STATUS.sensitive

@@ -52,10 +52,14 @@ def errors_after_hop(
     phase_square, product, speed_square = errors
     # M = ((tt, tw), (wt, ww)): t for the phase, w for the rebound, derivative of the first letter.
     tt, tw, wt, ww = slopes
-    s, gn = drive.push_normal, drive.gravity_normal
-    n1 = load(drive, landing_phase)
-    phase_rounding = TURN + min((s + gn) * span * span / max(landing_speed, 1e-300), span / ROUNDED)
-    speed_rounding = slope * ((s + gn) * (1 + span) + abs(n1) * phase_rounding)
+    push_normal, gravity_normal = drive.push_normal, drive.gravity_normal
+    load_at_landing = load(drive, landing_phase)
+    phase_rounding = TURN + min(
+        (push_normal + gravity_normal) * span * span / max(landing_speed, 1e-300), span / ROUNDED
+    )
+    speed_rounding = slope * (
+        (push_normal + gravity_normal) * (1 + span) + abs(load_at_landing) * phase_rounding
+    )
     return (
         tt * tt * phase_square
         + 2 * tt * tw * product
@@ -77,6 +81,7 @@ def weighted_error(
 
     sqrt(E_11) min(1, (|n1| + v)/(s + n)) + sqrt(E_22).
     """
+    # E_11, E_22: squares of the errors of phase and rebound; n1, v: load and speed at the landing.
     phase_weight = min(
         1.0,
         (abs(load(drive, landing_phase)) + landing_speed)
@@ -127,7 +132,7 @@ def write_segment(
 
 @compiled
 def one_hop(
-    drive: Drive, tau: float, take_off: float, e: Restitution
+    drive: Drive, tau: float, take_off: float, restitution: Restitution
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, landing phase and rebound of a hop, and four derivatives.
 
@@ -146,7 +151,7 @@ def one_hop(
     n0, n1 = load(drive, tau), load(drive, landing_phase)
     phase_tau, phase_w = (span * n0 - take_off) / landing_speed, span / landing_speed
     # The landing velocity changes by dw + n0 dtau - n1 dphase; the rebound is -R' times that.
-    rebound_speed, rebound_slope = rebound(e, landing_speed)
+    rebound_speed, rebound_slope = rebound(restitution, landing_speed)
     return (
         span, landing_speed, landing_phase, rebound_speed, phase_tau, phase_w,
         -rebound_slope * (n0 - n1 * phase_tau), -rebound_slope * (1 - n1 * phase_w),
@@ -155,15 +160,15 @@ def one_hop(
 
 @compiled
 def run_cycle(
-    drive: Drive, tau: float, take_off: float, hops: int, e: Restitution, rows: Floats
+    drive: Drive, tau: float, take_off: float, hops: int, restitution: Restitution, rows: Floats
 ) -> tuple[float, float, float, float, float, float]:
     """Return phase and rebound speed after `hops` hops, NaN after a stay, and four derivatives."""
     m_tt, m_tw, m_wt, m_ww = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
         span, landing_speed, landing_phase, rebound_speed, tt, tw, wt, ww = one_hop(
-            drive, tau, take_off, e
+            drive, tau, take_off, restitution
         )
-        if span <= 0 or rests(drive, landing_phase, rebound_speed, e, SETTLED_EXACTLY):
+        if span <= 0 or rests(drive, landing_phase, rebound_speed, restitution, SETTLED_EXACTLY):
             return math.nan, 0.0, m_tt, m_tw, m_wt, m_ww
         write_segment(
             rows,
@@ -172,7 +177,7 @@ def run_cycle(
             span,
             take_off,
             landing_speed,
-            impulse(e, landing_speed, rebound_speed),
+            impulse(restitution, landing_speed, rebound_speed),
         )
         # Chain rule: the matrix of this hop times that of all hops before.
         m_tt, m_tw, m_wt, m_ww = (
@@ -192,7 +197,7 @@ def fixed_point(
     take_off: float,
     hops: int,
     periods: int,
-    e: Restitution,
+    restitution: Restitution,
     rows: Floats,
 ) -> tuple[float, float, bool]:
     """Return take-off phase and speed of a cycle of hops, and True if the cycle attracts.
@@ -203,7 +208,7 @@ def fixed_point(
     """
     for _ in range(MAX_NEWTON):
         phase_after, take_off_after, m_tt, m_tw, m_wt, m_ww = run_cycle(
-            drive, phase, take_off, hops, e, rows
+            drive, phase, take_off, hops, restitution, rows
         )
         if math.isnan(phase_after):
             break
@@ -228,7 +233,7 @@ def shortest_part(rows: Floats, hops: int, periods: int) -> int:
     """Return the number of hops after which a cycle of `hops` hops already repeats."""
     for fewer_hops in range(1, hops // 2 + 1):
         if hops % fewer_hops == 0 and periods % (hops // fewer_hops) == 0:
-            distance = 0.0
+            distance = 0.0  # of the hops to those so many later
             for hop in range(hops - fewer_hops):
                 distance += abs(rows[hop + fewer_hops, SEGMENT.phase] - rows[hop, SEGMENT.phase])
                 distance += abs(
@@ -241,7 +246,7 @@ def shortest_part(rows: Floats, hops: int, periods: int) -> int:
 
 @compiled
 def find_cycle(
-    drive: Drive, e: Restitution, rows: Floats, count: int, tau: float, take_off: float
+    drive: Drive, restitution: Restitution, rows: Floats, count: int, tau: float, take_off: float
 ) -> tuple[int, int]:
     """Return hops and periods of an attracting cycle of hops near the last states; (0, 0) if none.
 
@@ -265,20 +270,20 @@ def find_cycle(
         if scratch.shape[0] < hops:
             return 0, 0
         phase, cycle_take_off, attracts = fixed_point(
-            drive, phase, cycle_take_off, hops, periods, e, scratch
+            drive, phase, cycle_take_off, hops, periods, restitution, scratch
         )
         distance = abs(phase - start_phase) + abs(cycle_take_off - start_take_off)
         if not attracts or distance > 100 * recurrence + 1e-9:
             continue
         phase_after, take_off_after, _, _, _, _ = run_cycle(
-            drive, start_phase, start_take_off, hops, e, scratch
+            drive, start_phase, start_take_off, hops, restitution, scratch
         )
         distance_after = abs(phase_after - phase - periods * TURN) + abs(
             take_off_after - cycle_take_off
         )
         if not (distance_after < distance or distance < 1e-9):
             continue
-        if math.isnan(run_cycle(drive, phase, cycle_take_off, hops, e, scratch)[0]):
+        if math.isnan(run_cycle(drive, phase, cycle_take_off, hops, restitution, scratch)[0]):
             continue
         shortest = shortest_part(scratch, hops, periods)
         for hop in range(shortest):
@@ -290,7 +295,12 @@ def find_cycle(
 
 @compiled
 def normal_cycle(
-    drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float, rows: Floats
+    drive: Drive,
+    start: float,
+    restitution: Restitution,
+    max_periods: int,
+    most_growth: float,
+    rows: Floats,
 ) -> tuple[int, int, int]:
     """Return the cycle normal to the floor into which a part settles from rest at phase `start`.
 
@@ -305,7 +315,7 @@ def normal_cycle(
     uncertainty = CERTAIN
     while count < MAX_SEGMENTS - LONGEST_CYCLE - 2:
         span, landing_speed, landing_phase, rebound_speed, tt, tw, wt, ww = one_hop(
-            drive, tau, take_off, e
+            drive, tau, take_off, restitution
         )
         if span < 0:
             return 0, count, -1
@@ -316,19 +326,19 @@ def normal_cycle(
             span,
             take_off,
             landing_speed,
-            impulse(e, landing_speed, rebound_speed),
+            impulse(restitution, landing_speed, rebound_speed),
         )
         count += 1
         elapsed += span
         if most_growth < math.inf:
-            slope = rebound(e, landing_speed)[1]
+            slope = rebound(restitution, landing_speed)[1]
             uncertainty = errors_after_hop(
                 uncertainty, span, landing_speed, landing_phase, drive, slope, (tt, tw, wt, ww)
             )
             if not weighted_error(uncertainty, landing_speed, landing_phase, drive) <= most_growth:
                 return 0, count, 0
         tau, take_off = landing_phase % TURN, rebound_speed
-        if rests(drive, tau, take_off, e, SETTLED_EXACTLY):
+        if rests(drive, tau, take_off, restitution, SETTLED_EXACTLY):
             # On the floor until lift-off; the cycle is closed if one began there before.
             span = to_lift_off(drive, tau)
             rows[count - 1, SEGMENT.impulse] = landing_speed
@@ -343,7 +353,7 @@ def normal_cycle(
                 return first, count, round(elapsed / TURN)
         elif count >= next_search and elapsed > TURN:
             next_search = count + count // 2
-            hops, periods = find_cycle(drive, e, rows, count, tau, take_off)
+            hops, periods = find_cycle(drive, restitution, rows, count, tau, take_off)
             if hops:
                 return 0, hops, periods
         if count >= SEARCH_HOPS and elapsed > TURN * min(SEARCH_PERIODS, max_periods):
@@ -358,11 +368,15 @@ def empty_chain() -> Chain:
 
 
 @compiled
-def matches_and_stores(stored: Floats, drive: Drive, e: Restitution, start: float) -> bool:
+def matches_and_stores(
+    stored: Floats, drive: Drive, restitution: Restitution, start: float
+) -> bool:
     """True if `stored` has the numbers of a motion normal to the floor; it has them afterwards."""
     normal, load = normal_numbers(drive)
     is_same = True
-    for place, number in enumerate((normal, load, e.constant, e.damping, start)):
+    for place, number in enumerate(
+        (normal, load, restitution.constant, restitution.damping, start)
+    ):
         is_same = is_same and stored[place] == number
         stored[place] = number
     return is_same
@@ -370,14 +384,24 @@ def matches_and_stores(stored: Floats, drive: Drive, e: Restitution, start: floa
 
 @compiled
 def cached_cycle(
-    chain: Chain, drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float
+    chain: Chain,
+    drive: Drive,
+    start: float,
+    restitution: Restitution,
+    max_periods: int,
+    most_growth: float,
 ) -> tuple[int, int, int]:
     """Return the result of `normal_cycle`, taken over from the last cell if that had the same."""
     summary = chain.summary
-    is_same = matches_and_stores(summary, drive, e, start) and summary[SUMMARY.most] == max_periods
+    is_same = (
+        matches_and_stores(summary, drive, restitution, start)
+        and summary[SUMMARY.most] == max_periods
+    )
     summary[SUMMARY.most] = max_periods
     if not (is_same and lifts(drive)):
-        first, end, periods = normal_cycle(drive, start, e, max_periods, most_growth, chain.rows)
+        first, end, periods = normal_cycle(
+            drive, start, restitution, max_periods, most_growth, chain.rows
+        )
         summary[SUMMARY.first], summary[SUMMARY.end], summary[SUMMARY.periods] = first, end, periods
     return int(summary[SUMMARY.first]), int(summary[SUMMARY.end]), int(summary[SUMMARY.periods])
 
@@ -394,13 +418,13 @@ def index_of_lift_off(rows: Floats, count: int, tau: float) -> int:
 
 
 @compiled
-def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
+def phase_uncertainty(rows: Floats, count: int, drive: Drive, restitution: Restitution) -> float:
     """Return the error in rad by rounding of a cycle's phases, weighted by its effect on the part.
 
     Errors grow by |M|/min |M| of the matrices of `one_hop` until the part rests; if it never rests,
     at least by (2 + |M|)/|det(M - 1)|.
     """
-    s, gn = drive.push_normal, drive.gravity_normal
+    push_normal, gravity_normal = drive.push_normal, drive.gravity_normal
     m_tt, m_tw, m_wt, m_ww = 1.0, 0.0, 0.0, 1.0
     least_size, growth, never_rests = 2.0, 1.0, True
     for row in range(count):
@@ -410,9 +434,16 @@ def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) ->
             m_tt, m_tw, m_wt, m_ww, least_size = 1.0, 0.0, 0.0, 1.0, 2.0
             never_rests = never_rests and take_off >= 0
             continue
-        n0, n1, slope = load(drive, tau), load(drive, tau + span), rebound(e, landing_speed)[1]
-        tt, tw = (span * n0 - take_off) / landing_speed, span / landing_speed
-        wt, ww = -slope * (n0 - n1 * tt), -slope * (1 - n1 * tw)
+        load_at_take_off, load_at_landing, slope = (
+            load(drive, tau),
+            load(drive, tau + span),
+            rebound(restitution, landing_speed)[1],
+        )
+        tt, tw = (span * load_at_take_off - take_off) / landing_speed, span / landing_speed
+        wt, ww = (
+            -slope * (load_at_take_off - load_at_landing * tt),
+            -slope * (1 - load_at_landing * tw),
+        )
         m_tt, m_tw, m_wt, m_ww = (
             tt * m_tt + tw * m_wt,
             tt * m_tw + tw * m_ww,
@@ -423,9 +454,11 @@ def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) ->
         if not 1e-100 < size < 1e100:
             m_tt, m_tw, m_wt, m_ww, size, least_size = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
         least_size = min(least_size, size)
-        phase_weight = min(1.0, (abs(n1) + landing_speed) / (s + gn))
+        phase_weight = min(
+            1.0, (abs(load_at_landing) + landing_speed) / (push_normal + gravity_normal)
+        )
         growth = max(growth, 1.0 + (size / least_size - 1.0) * phase_weight)
-    rounding = EPSILON * (TURN + s) + soft_hop_errors(rows, count, drive, e)[1]
+    rounding = EPSILON * (TURN + push_normal) + soft_hop_errors(rows, count, drive, restitution)[1]
     if never_rests:
         # Of a cycle that has just doubled one half may have been kept: it does not quite close.
         last = count - 1
@@ -433,7 +466,7 @@ def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) ->
             rows[last, SEGMENT.phase] + rows[last, SEGMENT.span] - rows[0, SEGMENT.phase]
         ) / TURN
         closing_error = abs(cycle_turns - round(cycle_turns)) * TURN + abs(
-            rebound(e, rows[last, SEGMENT.landing])[0] - rows[0, SEGMENT.take_off]
+            rebound(restitution, rows[last, SEGMENT.landing])[0] - rows[0, SEGMENT.take_off]
         )
         determinant = abs((m_tt - 1) * (m_ww - 1) - m_tw * m_wt)
         return (rounding + closing_error) * max(

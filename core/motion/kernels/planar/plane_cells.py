@@ -134,9 +134,9 @@ def fill_by_cycle(
     stop: Stop,
 ) -> tuple[int, int, int, float]:  # fmt: skip
     """As `fill_cell`, by the cycle of the motion normal to the floor, then along the track."""
-    segments, e = chain.rows, restitution_of(cell)
+    segments, restitution = chain.rows, restitution_of(cell)
     max_periods = int(cell.max_periods)
-    first, count, periods = cached_cycle(chain, drive, phase, e, max_periods, MAX_GROWTH)
+    first, count, periods = cached_cycle(chain, drive, phase, restitution, max_periods, MAX_GROWTH)
     if periods < 1:
         status = UNREPEATED if periods == 0 else STATUS.limit_reached
         first, count, slip = 0, 0, 0.0
@@ -163,8 +163,13 @@ def fill_cell(
     """
     drive, phase, direction = drive_of(cell, row, waves)
     result[:] = math.nan
-    e = cell.restitution + cell.impact_damping
-    status, first, count, slip = fill_without_cycle(drive, e, result), 0, 0, 0.0
+    restitution_and_damping = cell.restitution + cell.impact_damping
+    status, first, count, slip = (
+        fill_without_cycle(drive, restitution_and_damping, result),
+        0,
+        0,
+        0.0,
+    )
     if status == UNDECIDED and tries_closed_form and fill_if_never_sticks(drive, result):
         status = STATUS.periodic
     if status == UNDECIDED:
@@ -207,7 +212,10 @@ SAMPLE = Sample(*range(len(Sample._fields)))
 def follow(
     row: Floats, waves: Waves, known_status: int, stop: Stop
 ) -> tuple[Floats, float, float, bool]:
-    """Return the motion of one cell in pieces, for drawing the path of its part."""
+    """Return the motion of one cell in pieces, for drawing the path of its part.
+
+    Then phase shift, direction of a mirrored drive (-1, else 1), and True if the pieces repeat.
+    """
     cell = cell_of(row)
     chain, result = empty_chain(), np.empty(RESULTS)
     sums, log = np.empty(SUMS), np.empty((4 * MAX_SEGMENTS, len(PIECE)))
@@ -234,8 +242,8 @@ def pieces_to_draw(
     elif count > 0:
         _, _, log_rows = follow_cycle(segments, count, slip, drive, sums, log)
     elif status in UNKNOWN and lifts(drive):
-        e, max_periods = restitution_of(cell), int(cell.max_periods)
-        _, count, _ = normal_cycle(drive, phase, e, max_periods, math.inf, segments)
+        restitution, max_periods = restitution_of(cell), int(cell.max_periods)
+        _, count, _ = normal_cycle(drive, phase, restitution, max_periods, math.inf, segments)
         shown, shown_time = 0, 0.0
         while shown < count and shown_time < SHOWN_PERIODS * TURN:
             shown += 1
@@ -417,8 +425,8 @@ def widen_error_by_first_way(
     error >= |v_way - v| + error(v_way) (theory 13.7).
     """
     first_way, no_log = np.full(RESULTS, math.nan), np.empty((0, len(PIECE)))
-    segments, e, max_periods = chain.rows, restitution_of(cell), int(cell.max_periods)
-    first, count, periods = cached_cycle(chain, drive, phase, e, max_periods, LAST_DIGIT)
+    segments, restitution, max_periods = chain.rows, restitution_of(cell), int(cell.max_periods)
+    first, count, periods = cached_cycle(chain, drive, phase, restitution, max_periods, LAST_DIGIT)
     if periods < 1:
         return
     slip = velocity_at_start(drive, phase, segments, first, count)
@@ -482,8 +490,8 @@ def average_power_cells(
         powers[:] = math.nan
         if raised(stop):
             return
-        e = restitution_of(cell)
-        _, count, _ = normal_cycle(drive, phase, e, FELT_PERIODS, math.inf, segments)
+        restitution = restitution_of(cell)
+        _, count, _ = normal_cycle(drive, phase, restitution, FELT_PERIODS, math.inf, segments)
         first = count // LED_IN
         if count - first < LED_IN:
             continue

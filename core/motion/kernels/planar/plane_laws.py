@@ -271,34 +271,36 @@ def hunt_crossley(number: float) -> float:
 
 
 @compiled
-def rebound(e: Restitution, speed: float) -> tuple[float, float]:
+def rebound(restitution: Restitution, speed: float) -> tuple[float, float]:
     """Return the rebound speed after an impact on the floor, and its derivative by impact speed.
 
     In g/w; eps v and eps, or by Hunt and Crossley's law with damping b: e(d) v and (1 - e d)/((1 +
     d) e), d = b v. The derivative lies between 0 and 1, so that landings stay in their order
     (theory 18.3).
     """
-    if e.damping == 0.0:
-        return e.constant * speed, e.constant
-    number = e.damping * speed
+    if restitution.damping == 0.0:
+        return restitution.constant * speed, restitution.constant
+    number = restitution.damping * speed
     if number <= 0.0:
         return speed, 1.0
     rebound_number = hunt_crossley(number)
-    return rebound_number / e.damping, (1.0 - rebound_number) * number / (
+    return rebound_number / restitution.damping, (1.0 - rebound_number) * number / (
         (1.0 + number) * rebound_number
     )
 
 
 @compiled
-def impulse(e: Restitution, speed: float, rebound_speed: float) -> float:
+def impulse(restitution: Restitution, speed: float, rebound_speed: float) -> float:
     """Return the impulse per mass of an impact on the floor: speed before plus speed after."""
-    if e.damping == 0.0:
-        return (1.0 + e.constant) * speed
+    if restitution.damping == 0.0:
+        return (1.0 + restitution.constant) * speed
     return speed + rebound_speed
 
 
 @compiled
-def rests(drive: Drive, tau: float, rebound_speed: float, e: Restitution, bound: float) -> bool:
+def rests(
+    drive: Drive, tau: float, rebound_speed: float, restitution: Restitution, bound: float
+) -> bool:
     """True if a part that has just landed stays on the floor, its hops shrinking to nothing.
 
     Without rebound if the floor presses it or it lands at a lift-off. With a rebound w if the
@@ -310,11 +312,11 @@ def rests(drive: Drive, tau: float, rebound_speed: float, e: Restitution, bound:
         return load_at_landing > 0 or to_lift_off(drive, tau) == 0.0
     if load_at_landing <= 0:
         return False
-    if e.damping > 0:
-        return settles_softly(drive, tau, rebound_speed, e.damping, bound)
-    if e.constant >= 1:
+    if restitution.damping > 0:
+        return settles_softly(drive, tau, rebound_speed, restitution.damping, bound)
+    if restitution.constant >= 1:
         return False
-    time_left = 2 * rebound_speed / (load_at_landing * (1 - e.constant))
+    time_left = 2 * rebound_speed / (load_at_landing * (1 - restitution.constant))
     return rebound_speed * time_left < bound and time_left < SETTLED_TIME * to_lift_off(drive, tau)
 
 
@@ -352,7 +354,7 @@ def settles_softly(
 
 @compiled
 def soft_hop_errors(
-    segments: Floats, count: int, drive: Drive, e: Restitution
+    segments: Floats, count: int, drive: Drive, restitution: Restitution
 ) -> tuple[float, float]:
     """Return the effect of small hops taken as contact: position over mu_k, and speed left.
 
@@ -361,9 +363,9 @@ def soft_hop_errors(
     13.5).
     """
     position, speed = 0.0, 0.0
-    for segment in range(count if e.damping > 0 else 0):
+    for segment in range(count if restitution.damping > 0 else 0):
         tau, rebound_speed = segments[segment, SEGMENT.phase], segments[segment, SEGMENT.impulse]
         if segments[segment, SEGMENT.take_off] < 0 and rebound_speed > 0:
-            position += rebound_speed * soft_time(drive, tau, e.damping)
-            speed = max(speed, rebound_at_lift_off(drive, tau, rebound_speed, e.damping))
+            position += rebound_speed * soft_time(drive, tau, restitution.damping)
+            speed = max(speed, rebound_at_lift_off(drive, tau, rebound_speed, restitution.damping))
     return position, speed

@@ -73,7 +73,7 @@ def lift_off(drive: SineDrive, tau: float) -> float:
 
 @compiled
 def landing_root(
-    w: float, s: float, gn: float, sine: float, cosine: float, first_guess: float
+    take_off: float, push: float, gravity: float, sine: float, cosine: float, first_guess: float
 ) -> float:
     """Return a flight time in rad by Newton's method from `first_guess`, on one side of the root.
 
@@ -82,7 +82,7 @@ def landing_root(
     """
     flight_time, first_step = first_guess, 0.0
     for _ in range(MAX_ITERATIONS):
-        velocity, height = flow(w, s, gn, sine, cosine, flight_time)
+        velocity, height = flow(take_off, push, gravity, sine, cosine, flight_time)
         if velocity >= 0:
             break
         step = height / velocity
@@ -95,16 +95,18 @@ def landing_root(
 
 
 @compiled
-def lowest_phase(w: float, s: float, gn: float, tau: float, low: float, high: float) -> float:
+def lowest_phase(
+    take_off: float, push: float, gravity: float, tau: float, low: float, high: float
+) -> float:
     """Return the phase D in rad after take-off, in `low` to `high`, at which a height is least."""
     d = (low + high) / 2
     for _ in range(MAX_ITERATIONS):
-        velocity = velocity_after(w, s, gn, tau, d)
+        velocity = velocity_after(take_off, push, gravity, tau, d)
         if velocity > 0:
             high = d
         else:
             low = d
-        acceleration = s * math.sin(tau + d) - gn
+        acceleration = push * math.sin(tau + d) - gravity
         next_d = d - velocity / acceleration if acceleration > 0 else low
         if low < next_d < high and abs(next_d - d) <= LAST_STEP * d:
             return next_d
@@ -191,18 +193,20 @@ def height_bound(drive: SineDrive, take_off: float, tau: float, known_height: fl
 
         z = r^2/(2 n) + s sin(tau) - n x^2/2 - s sin(tau + r/n + x).
     """
-    s, gn = drive.push_normal, drive.gravity_normal
-    speed = take_off + s * math.cos(tau)
-    summit = speed * speed / (2 * gn) + s * math.sin(tau)
-    summit += ROUNDINGS * (summit + 3 * s)
-    if summit + s <= known_height:
-        return summit + s
-    to_trough = abs((tau + speed / gn + 1.5 * math.pi) % TURN - math.pi)
+    push, gravity = drive.push_normal, drive.gravity_normal
+    speed = take_off + push * math.cos(tau)
+    summit = speed * speed / (2 * gravity) + push * math.sin(tau)
+    summit += ROUNDINGS * (summit + 3 * push)
+    if summit + push <= known_height:
+        return summit + push
+    to_trough = abs((tau + speed / gravity + 1.5 * math.pi) % TURN - math.pi)
     width = to_trough / HEIGHT_PIECES
-    excess = -s
+    excess = -push
     for piece in range(HEIGHT_PIECES):
         offset = width * piece
-        excess = max(excess, s * math.cos(to_trough - offset - width) - gn * offset * offset / 2)
+        excess = max(
+            excess, push * math.cos(to_trough - offset - width) - gravity * offset * offset / 2
+        )
     return summit + excess
 
 
@@ -213,26 +217,26 @@ def top_phase(drive: SineDrive, take_off: float, tau: float, span: float) -> flo
     The height is a parabola and a sine of size s: its top is within 2 sqrt(s/n) + 1 of that of the
     parabola.
     """
-    s, gn = drive.push_normal, drive.gravity_normal
+    push, gravity = drive.push_normal, drive.gravity_normal
     # The height is a parabola and a sine: its top lies near that of the parabola.
-    parabola_top = (take_off + s * math.cos(tau)) / gn
-    reach = 2 * math.sqrt(s / gn) + 1
-    first, last = max(0.0, parabola_top - reach), min(span, parabola_top + reach)
+    parabola_top = (take_off + push * math.cos(tau)) / gravity
+    top_range = 2 * math.sqrt(push / gravity) + 1
+    first, last = max(0.0, parabola_top - top_range), min(span, parabola_top + top_range)
     pieces = min(MAX_PIECES, max(8, int((last - first) * 4)))
     width = (last - first) / pieces
     highest, top = 0.0, first
     for piece in range(pieces + 1):
-        height = distance_after(take_off, s, gn, tau, first + width * piece)
+        height = distance_after(take_off, push, gravity, tau, first + width * piece)
         if height > highest:
             highest, top = height, first + width * piece
     low, high = max(0.0, top - width), min(span, top + width)
     for _ in range(MAX_ITERATIONS):
-        velocity = velocity_after(take_off, s, gn, tau, top)
+        velocity = velocity_after(take_off, push, gravity, tau, top)
         if velocity > 0:
             low = top
         else:
             high = top
-        slope = s * math.sin(tau + top) - gn
+        slope = push * math.sin(tau + top) - gravity
         next_top = top - velocity / slope if slope < 0 else (low + high) / 2
         if not low <= next_top <= high:
             next_top = (low + high) / 2
@@ -301,7 +305,7 @@ def stop_between(
 ) -> float:
     """Return the phase D after `phase`, between `low` and `high`, at which a falling velocity is 0.
 
-    u' = C sin(at + D) - k.
+    u' = C sin(phase + D) - k.
     """
     first_velocity, last_velocity = (
         flow(v, C, k, sine, cosine, low)[0],

@@ -128,6 +128,7 @@ def push_of(drive: WaveDrive, kind: int) -> SineSum:
 @borrowing
 def fill_passages(drive: WaveDrive, kind: int) -> None:
     """Fill the phases in [0, 2 pi) at which the part's acceleration changes sign, p(tau) = pull."""
+    # The row gets their number, then the phases, and in its last column 1 if the first one rises.
     table, row = drive.table, ROOTS + kind
     if drive.steps == 0:
         push = push_of(drive, kind)

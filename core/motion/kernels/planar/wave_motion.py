@@ -48,6 +48,7 @@ def track_speed(drive: WaveDrive, tau: float) -> float:
     Minus the integral of the push along, without its mean: sum of (s_k cos(k tau) - c_k sin(k
     tau))/k; of steps v -> v - p D over each, less the mean of that (theory 13.14).
     """
+    # Rows 2 AIR and 2 AIR + 1 of the table are the push along: its sines and cosines, or levels.
     if drive.steps == 0:
         velocity = 0.0
         for k in range(1, drive.orders + 1):
@@ -154,8 +155,8 @@ def landing_root(
     velocity, height = flow(drive, NORMAL, start_velocity, tau, high)
     height += start_height
     net_push = acceleration(drive, NORMAL, tau + high)
-    reach = math.sqrt(max(0.0, velocity * velocity - 2.0 * height * net_push)) - velocity
-    guess = high + 2.0 * height / reach if reach > 0.0 else low
+    slowing = math.sqrt(max(0.0, velocity * velocity - 2.0 * height * net_push)) - velocity
+    guess = high + 2.0 * height / slowing if slowing > 0.0 else low
     d = guess if low < guess <= high else 0.5 * (low + high)
     for _ in range(MAX_ITERATIONS):
         velocity, height = flow(drive, NORMAL, start_velocity, tau, d)

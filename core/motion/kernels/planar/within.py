@@ -106,9 +106,11 @@ def empty_landings() -> Landings:
 
 
 @compiled
-def reset_unless_of(landings: Landings, drive: Drive, e: Restitution, phase: float) -> None:
+def reset_unless_of(
+    landings: Landings, drive: Drive, restitution: Restitution, phase: float
+) -> None:
     """Make `landings` those of a motion: kept if they are, else begun with its first lift-offs."""
-    if matches_and_stores(landings.owner, drive, e, phase):
+    if matches_and_stores(landings.owner, drive, restitution, phase):
         return
     sums, no_log = np.zeros(SUMS), np.empty((0, len(PIECE)))
     landings.states[:] = 0.0
@@ -134,26 +136,31 @@ def write_landing(
     row: Floats,
     largest_so_far: Floats,
     drive: Drive,
-    e: Restitution,
+    restitution: Restitution,
     tau: float,
     take_off: float,
     span: float,
 ) -> None:
     """Write into `row` (columns of `LANDING`) the landing after a flight of `span` rad."""
     landing_speed = max(0.0, -rise(drive, take_off, tau, span)[0])
-    rebound_speed = rebound(e, landing_speed)[0]
+    rebound_speed = rebound(restitution, landing_speed)[0]
     row[LANDING.fastest] = max(largest_so_far[0], landing_speed)
     row[LANDING.highest] = hop_height(drive, take_off, tau, span, largest_so_far[1])
     row[LANDING.phase], row[LANDING.span] = tau, span
     row[LANDING.speed], row[LANDING.rebound] = landing_speed, rebound_speed
-    stays = rests(drive, (tau + span) % TURN, rebound_speed, e, SETTLED_ROUGHLY)
+    stays = rests(drive, (tau + span) % TURN, rebound_speed, restitution, SETTLED_ROUGHLY)
     row[LANDING.stays] = 1.0 if stays else 0.0
     row[LANDING.air_velocity], row[LANDING.air_distance] = air_integrals(drive, tau, span)
 
 
 @compiled
 def find_landings_until(
-    landings: Landings, run_index: int, until: float, drive: Drive, e: Restitution, stop: Stop
+    landings: Landings,
+    run_index: int,
+    until: float,
+    drive: Drive,
+    restitution: Restitution,
+    stop: Stop,
 ) -> bool:
     """Find the landings of run `run_index` up to the time `until`; False if there is no more room.
 
@@ -177,7 +184,13 @@ def find_landings_until(
             break
         row = table[landing_count]
         write_landing(
-            row, table[max(0, landing_count - 1), LANDING.fastest :], drive, e, tau, take_off, span
+            row,
+            table[max(0, landing_count - 1), LANDING.fastest :],
+            drive,
+            restitution,
+            tau,
+            take_off,
+            span,
         )
         landing_speed, rebound_speed, stays = (
             row[LANDING.speed],
@@ -194,7 +207,7 @@ def find_landings_until(
                 span,
                 take_off,
                 landing_speed,
-                impulse(e, landing_speed, rebound_speed),
+                impulse(restitution, landing_speed, rebound_speed),
             )
         hop_count += 1
         tau, take_off, time = landing_phase, rebound_speed, time + span
@@ -208,7 +221,7 @@ def find_landings_until(
             hop_count, next_search = 0, FIRST_LOOK
         elif is_searched and hop_count >= next_search:
             next_search = hop_count + hop_count // 2
-            if find_cycle(drive, e, segments, hop_count, tau, take_off)[0]:
+            if find_cycle(drive, restitution, segments, hop_count, tau, take_off)[0]:
                 landing_count -= 1
                 state[NORMAL.ended] = ENDED
         if hop_count >= HOP_CAPACITY - LONGEST_CYCLE - 2:
@@ -372,11 +385,13 @@ def means_within(
     run nears a cycle, runs away or is too short.
     """
     drive = rounded(drive)
-    e = Restitution(rounded_to_32_bits(cell.restitution), rounded_to_32_bits(cell.impact_damping))
+    restitution = Restitution(
+        rounded_to_32_bits(cell.restitution), rounded_to_32_bits(cell.impact_damping)
+    )
     max_periods = int(cell.max_periods) // PHASES
     if max_periods < periods_to_mark(FIRST_ASKED, max_periods + 1):
         return UNREPEATED, landings
-    reset_unless_of(landings, drive, e, phase)
+    reset_unless_of(landings, drive, restitution, phase)
     runs, no_log = (
         Runs(
             np.zeros((PHASES, len(RUN))),
@@ -398,7 +413,7 @@ def means_within(
         until = periods * TURN
         for run_index in range(PHASES):
             while landings.states[run_index, NORMAL.time] < until and not find_landings_until(
-                landings, run_index, until, drive, e, stop
+                landings, run_index, until, drive, restitution, stop
             ):
                 landings = with_double_room(landings)
             if not follow_run_until(runs, run_index, until, landings, drive, no_log):

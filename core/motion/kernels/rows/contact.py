@@ -396,12 +396,12 @@ def land_all(row: Row, impulse: float) -> float:
             for i in range(first, end):
                 row.value[i] = row.speed[i] - direction * row.kinetic[i] * impulse
             pool_means(row, first, end)
-            before = row.speed[first]
+            speed_before = row.speed[first]
             for i in range(first, end):
                 row.speed[i] = direction * max(0.0, direction * row.value[i])
                 if at_stop and row.speed[i] >= row.speed[parts]:
                     row.speed[i] = row.speed[parts]
-                    free_speed = before - direction * row.kinetic[i] * impulse
+                    free_speed = speed_before - direction * row.kinetic[i] * impulse
                     stop_impulse += row.mass[i] * (free_speed - row.speed[i])
                 row.mode[i] = sign(row.speed[i])
             for i in range(first, end - 1):

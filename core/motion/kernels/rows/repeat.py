@@ -88,15 +88,16 @@ def repeats(
     for i in range(row.gap.size):
         gap_growth = row.gap[i] - past.gap[slot, i]
         touched = past.touched[i] > period - multiple - 1
+        # A gap may grow between parts that no longer touch: they separate for good.
         if abs(gap_growth) > tolerance * scale and (gap_growth < 0.0 or touched):
             return False
     return True
 
 
 @compiled
-def cycle_of(row: Row, air: Air, past: Past, period: int, since: int, scale: float) -> int:
+def cycle_of(row: Row, air: Air, past: Past, period: int, counted_from: int, scale: float) -> int:
     """Return the periods, up to 12, after which a row repeats at period `period`; 0 if none."""
-    for cycle in range(1, min(MULTIPLES, period - 1 - since) + 1):
+    for cycle in range(1, min(MULTIPLES, period - 1 - counted_from) + 1):
         if repeats(row, air, past, period, cycle, AGREES, scale):
             return cycle
     return 0
@@ -115,7 +116,7 @@ def shortest_cycle(
 
 @compiled
 def remaining_transient(
-    row: Row, past: Past, period: int, cycle: int, since: int, scale: float
+    row: Row, past: Past, period: int, cycle: int, counted_from: int, scale: float
 ) -> float:
     """Return an estimate of what is left of a row's transient, in g/w.
 
@@ -123,7 +124,7 @@ def remaining_transient(
     the ratio to those of the cycle before.
     """
     size, largest = MULTIPLES + 1, 0.0
-    has_ratio = 2 * cycle <= MULTIPLES and period - 2 * cycle >= since
+    has_ratio = 2 * cycle <= MULTIPLES and period - 2 * cycle >= counted_from
     slot, earlier_slot = (period - cycle) % size, (period - 2 * cycle) % size
     for i in range(row.mass.size):
         change = abs(row.speed[i] - past.speed[slot, i])
@@ -153,14 +154,16 @@ def platoons(
 
 
 @compiled
-def extrapolate_transient(row: Row, past: Past, period: int, since: int, scale: float) -> bool:
+def extrapolate_transient(
+    row: Row, past: Past, period: int, counted_from: int, scale: float
+) -> bool:
     """Move a row along its slow transient at the end of a period; True if it was moved.
 
     Velocities whose changes d fall by a steady ratio q go to their limit, by q/(1 - q) d (Aitken's
     extrapolation). Where gaps alone shrink, half of the gap that closes first is left out.
     """
     for lag in range(1, LAGS + 1):
-        if period - 3 * lag < since:
+        if period - 3 * lag < counted_from:
             return False
         if _extrapolate(row, past, period, lag, scale):
             return True

@@ -109,7 +109,7 @@ def next_event(
     stops, starts, releases by the stop and collisions.
     """
     event = Event(span, NOTHING, 0)
-    now = at_phase(drive, tau)
+    phase_now = at_phase(drive, tau)
     flying = landing < math.inf
     if flying:
         if landing < span:
@@ -118,12 +118,12 @@ def next_event(
         to_lift_off = lift_off(drive, tau)
         if to_lift_off < span:
             event = Event(to_lift_off, LIFT, 0)
-        event = _next_on_floor(row, drive, drive.gravity_along - level, tau, now, event)
+        event = _next_on_floor(row, drive, drive.gravity_along - level, tau, phase_now, event)
     if row.stop != NO_STOP:
         event = _next_release(row, drive, drive.gravity_along - level, tau, flying, event)
     for i in range(row.closed.size):
         if row.closed[i] == 0:
-            until = contact_until(row, drive, i, now, event.span)
+            until = contact_until(row, drive, i, phase_now, event.span)
             if until < event.span:
                 event = Event(until, HIT, i)
     return event
@@ -131,7 +131,7 @@ def next_event(
 
 @borrowing
 def _next_on_floor(
-    row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event
+    row: Row, drive: Driven, pull: float, tau: float, phase_now: Any, event: Event
 ) -> Event:
     # The first stop of a sliding block, or start of a resting one, if it comes before `event`.
     first = 0
@@ -139,7 +139,7 @@ def _next_on_floor(
         end = chain_end(row, first)
         mode = row.mode[first]
         if mode != 0:
-            until = stop_until(row, drive, first, now, event.span)
+            until = stop_until(row, drive, first, phase_now, event.span)
             if until < event.span:
                 event = Event(until, STOP, first)
         else:
@@ -288,7 +288,7 @@ def one_period(
             flight_phase += event.span
         air = Air(air.landing - event.span, air.impulse)
         tau += event.span
-        if event.kind == 0:
+        if event.kind == NOTHING:  # the step of the drive ends
             tau, step = end, step + 1
             if step == drive.ends.size:
                 return air, Tally(
@@ -331,11 +331,12 @@ def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) ->
         return int(STATUS.limit_reached)
     air, status = flight_at_start(drive), int(STATUS.limit_reached)
     means = np.zeros((int(cell[AT.max_periods]), TALLIES + 2 * row.mass.size - 1))
+    # A row that still drifts is followed again, along its slow transient in jumps.
     for extrapolates in (False, True):
         past = empty_past(row)
         if extrapolates:
             means[:] = 0.0
-        air, periods, cycle, since = follow_periods(
+        air, periods, cycle, counted_from = follow_periods(
             row, drive, cell, air, past, means, extrapolates, scale, stop
         )
         if raised(stop):
@@ -343,7 +344,9 @@ def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) ->
         if periods < 0:
             return int(STATUS.limit_reached)
         transient = (
-            remaining_transient(row, past, periods, cycle, since, scale) if cycle > 0 else 0.0
+            remaining_transient(row, past, periods, cycle, counted_from, scale)
+            if cycle > 0
+            else 0.0
         )
         status = fill_row_results(row, past, means, periods, cycle, transient, scale, result)
         if cycle > 0:
@@ -360,32 +363,36 @@ def follow_periods(
     row: Row, drive: Driven, cell: Floats, air: Air, past: Past, means: Floats, extrapolates: bool,
     scale: float, stop: Stop,
 ) -> tuple[Air, int, int, int]:  # fmt: skip
-    """Follow a row until it repeats, or for all its periods; return how it came to."""
-    restitution, parts, since = cell[AT.part_restitution], row.mass.size, 0
+    """Follow a row until it repeats, or for all its periods.
+
+    Return flight, periods (-1: too many events), cycle (0: none), and the first period counted.
+    """
+    # `means` gets a row of sums a period: `Tally`, distances of the parts, integrals of the gaps.
+    restitution, parts, counted_from = cell[AT.part_restitution], row.mass.size, 0
     for period in range(means.shape[0]):
         if raised(stop):
-            return air, period, 0, since
+            return air, period, 0, counted_from
         store_state(row, air, past, period)
         sums, periods = means[period], period + 1
         air, tally = one_period(row, drive, restitution, air, past, period, sums[TALLIES + parts :])
         if math.isnan(tally.hits):
-            return air, -1, 0, since
+            return air, -1, 0, counted_from
         sums[:TALLIES] = (
             tally.closed, tally.air, tally.hits, tally.lost,
             tally.pressed, tally.struck, tally.peak, tally.held, tally.moving,
         )  # fmt: skip
         sums[TALLIES : TALLIES + parts] = row.place - past.place[period % (MULTIPLES + 1)]
-        cycle = cycle_of(row, air, past, periods, since, scale)
-        if cycle > 0 and (not extrapolates or periods - 2 * cycle >= since):
-            return air, periods, cycle, since
+        cycle = cycle_of(row, air, past, periods, counted_from, scale)
+        if cycle > 0 and (not extrapolates or periods - 2 * cycle >= counted_from):
+            return air, periods, cycle, counted_from
         may_extrapolate = extrapolates and 2 * periods < means.shape[0]
         if (
             may_extrapolate
             and not touches_stop(row, parts)
-            and extrapolate_transient(row, past, periods, since, scale)
+            and extrapolate_transient(row, past, periods, counted_from, scale)
         ):
-            since = periods
-    return air, means.shape[0], 0, since
+            counted_from = periods
+    return air, means.shape[0], 0, counted_from
 
 
 @compiled
@@ -448,7 +455,7 @@ def path_under(drive: Driven, cell: Floats, phases: Floats, places: Floats, gaps
         move(row, drive, tau, event.span)
         air = Air(air.landing - event.span, air.impulse)
         tau += event.span
-        if event.kind != 0:
+        if event.kind != NOTHING:
             events += 1
         else:
             tau = until

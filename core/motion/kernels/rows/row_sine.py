@@ -40,11 +40,13 @@ def turning_phases(C: float, k: float, tau: float, span: float) -> tuple[float, 
 
 
 @borrowing
-def zero_between(order: int, x: float, v: float, pull: Pull, low: float, high: float) -> float:
+def zero_between(
+    order: int, start_distance: float, start_velocity: float, pull: Pull, low: float, high: float
+) -> float:
     """Return the zero of a velocity (`order` 0) or distance (1) between two phases, in rad."""
     C, k, sine, cosine = pull
-    speed, distance = flow(v, C, k, sine, cosine, low)
-    value, slope = x + distance, speed
+    speed, distance = flow(start_velocity, C, k, sine, cosine, low)
+    value, slope = start_distance + distance, speed
     if order == 0:
         value, slope = speed, C * (sine * math.cos(low) + cosine * math.sin(low)) - k
     rises = value < 0.0
@@ -52,13 +54,13 @@ def zero_between(order: int, x: float, v: float, pull: Pull, low: float, high: f
     if not low < d < high:
         d = 0.5 * (low + high)
     for _ in range(MAX_STEPS):
-        speed, distance = flow(v, C, k, sine, cosine, d)
-        value, slope = x + distance, speed
+        speed, distance = flow(start_velocity, C, k, sine, cosine, d)
+        value, slope = start_distance + distance, speed
         if order == 0:
             value, slope = speed, C * (sine * math.cos(d) + cosine * math.sin(d)) - k
-        terms = abs(x) + d * (abs(v) + d * (abs(C) + abs(k)))
+        terms = abs(start_distance) + d * (abs(start_velocity) + d * (abs(C) + abs(k)))
         if order == 0:
-            terms = abs(v) + d * (abs(C) + abs(k))
+            terms = abs(start_velocity) + d * (abs(C) + abs(k))
         if abs(value) <= LAST_BIT * terms:
             return d
         if (value < 0.0) == rises:
@@ -77,7 +79,7 @@ def zero_between(order: int, x: float, v: float, pull: Pull, low: float, high: f
 
 @borrowing
 def first_stop(
-    v: float,
+    velocity: float,
     direction: int,
     C: float,
     k: float,
@@ -89,18 +91,18 @@ def first_stop(
     """Return the phase until a velocity in direction `direction` is 0; inf if not within `span`."""
     # It falls by no more than |C| + way k a phase.
     largest_change = (abs(C) + direction * k) * span
-    if direction * v - largest_change > ROUNDING * (abs(v) + abs(largest_change)):
+    if direction * velocity - largest_change > ROUNDING * (abs(velocity) + abs(largest_change)):
         return math.inf
     first_turn, second_turn = turning_phases(C, k, tau, span)
     low, high = 0.0, first_turn
-    is_at_rest = direction * v <= 0.0
+    is_at_rest = direction * velocity <= 0.0
     starts = is_at_rest and direction * (C * sine - k) >= -RESOLVED
     for piece in range(3):
-        speed, _ = flow(v, C, k, sine, cosine, high)
-        if direction * speed <= 0.0 and (low > 0.0 or not starts):
+        velocity_at_high, _ = flow(velocity, C, k, sine, cosine, high)
+        if direction * velocity_at_high <= 0.0 and (low > 0.0 or not starts):
             if low == 0.0 and is_at_rest:
                 return 0.0
-            return zero_between(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
+            return zero_between(0, 0.0, velocity, Pull(C, k, sine, cosine), low, high)
         if high == span:
             break
         low, high = high, second_turn if piece == 0 else span
@@ -158,15 +160,15 @@ def _contact_between(
 
 
 @borrowing
-def flight_time(s: float, gn: float, tau: float, max_turns: int) -> float:
+def flight_time(push: float, gravity: float, tau: float, max_turns: int) -> float:
     """Return the duration in rad of a flight from rest at phase `tau`; inf beyond `max_turns`."""
     sine, cosine = math.sin(tau), math.cos(tau)
     height, rate, elapsed = 0.0, 0.0, 0.0
     for _ in range(max_turns):
-        span = first_contact(height, rate, s, gn, tau, sine, cosine, TURN)
+        span = first_contact(height, rate, push, gravity, tau, sine, cosine, TURN)
         if span < math.inf and elapsed + span > 0.0:
             return elapsed + span
-        rate, distance = flow(rate, s, gn, sine, cosine, TURN)
+        rate, distance = flow(rate, push, gravity, sine, cosine, TURN)
         height += distance
         elapsed += TURN
     return math.inf
@@ -216,7 +218,7 @@ def flight(drive: Drive, tau: float) -> tuple[float, float]:
 
 @borrowing
 def first_rise(
-    drive: Drive, body: int, way: int, along: float, normal: float, level: float, tau: float
+    drive: Drive, body: int, direction: int, along: float, normal: float, level: float, tau: float
 ) -> float:
     """Return the phase until (`along` c + `normal` s) sin rises above `level`; inf if never."""
     amplitude = along * drive.push_along + normal * drive.push_normal
@@ -244,22 +246,29 @@ def at_phase(drive: Drive, tau: float) -> Now:
 
 
 @borrowing
-def stop_until(row: Row, drive: Drive, part: int, now: Now, span: float) -> float:
+def stop_until(row: Row, drive: Drive, part: int, phase_now: Now, span: float) -> float:
     """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`."""
     return first_stop(
-        row.speed[part], row.mode[part], row.push_factor[part], row.pull[part], now.tau, now.sine,
-        now.cosine, span,
+        row.speed[part], row.mode[part], row.push_factor[part], row.pull[part], phase_now.tau,
+        phase_now.sine, phase_now.cosine, span,
     )  # fmt: skip
 
 
 @borrowing
-def contact_until(row: Row, drive: Drive, contact: int, now: Now, span: float) -> float:
+def contact_until(row: Row, drive: Drive, contact: int, phase_now: Now, span: float) -> float:
     """Return the phase in rad until a gap in a row closes; inf if not within `span`."""
     push_factor = row.push_factor[contact + 1] - row.push_factor[contact]
     pull = row.pull[contact + 1] - row.pull[contact]
     gap_rate = row.speed[contact + 1] - row.speed[contact]
     return first_contact(
-        row.gap[contact], gap_rate, push_factor, pull, now.tau, now.sine, now.cosine, span
+        row.gap[contact],
+        gap_rate,
+        push_factor,
+        pull,
+        phase_now.tau,
+        phase_now.sine,
+        phase_now.cosine,
+        span,
     )
 
 

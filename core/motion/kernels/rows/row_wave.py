@@ -141,6 +141,8 @@ def combined_wave(
     It goes into row set `kind` of the table of `body`; if that holds the same already, nothing is
     computed. With the pull `SLOPE` it is the derivative of the sums.
     """
+    # P and S are the pushes along and normal. In a table, rows 2 kind and 2 kind + 1 hold the sines
+    # and cosines by order, or row 2 kind the levels of the steps.
     base = drive.base
     wave = WaveDrive(
         drive.tables[body], base.orders, base.steps, base.gravity_along, base.gravity_normal,
@@ -223,6 +225,7 @@ def first_rise(
     drive: RowWave, body: int, direction: int, along: float, normal: float, level: float, tau: float
 ) -> float:
     """Return the phase in rad until `along` P + `normal` S rises above `level`; inf if never."""
+    # P and S are the pushes along and normal; each direction has its own room in the tables.
     kind = STATIC_FORWARD if direction > 0 else STATIC_BACKWARD
     wave = combined_wave(drive, body, kind, along, normal, level)
     return _until_rise(wave, kind, tau)
@@ -247,32 +250,32 @@ def at_phase(drive: RowWave, tau: float) -> float:
 
 
 @borrowing
-def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> float:
+def stop_until(row: Row, drive: RowWave, part: int, phase_now: float, span: float) -> float:
     """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`."""
-    v, direction, k = row.speed[part], row.mode[part], row.pull[part]
+    velocity, direction, k = row.speed[part], row.mode[part], row.pull[part]
     a, b = row.push_factor[part], drive.normal_factor[part]
     largest_change = (abs(a) * drive.push_along + abs(b) * drive.push_normal + direction * k) * span
-    if direction * v - largest_change > ROUNDING * (abs(v) + abs(largest_change)):
+    if direction * velocity - largest_change > ROUNDING * (abs(velocity) + abs(largest_change)):
         return math.inf
     kind = FORWARD if direction > 0 else BACKWARD
     wave = combined_wave(drive, part, kind, a, b, k)
     to_passage, acceleration_ahead = (
-        next_passage(wave, kind, now)[0] - now,
-        direction * acceleration(wave, kind, now),
+        next_passage(wave, kind, phase_now)[0] - phase_now,
+        direction * acceleration(wave, kind, phase_now),
     )
     if to_passage > SAME:
         if acceleration_ahead > 0.0 and to_passage >= span:
             return math.inf
         # It moves no more, or its neighbour's stop has turned it a hair: it is no start, of which
         # the acceleration is 0, or passes through 0 now, but for rounding.
-        if direction * v <= 0.0 and acceleration_ahead < -RESOLVED:
+        if direction * velocity <= 0.0 and acceleration_ahead < -RESOLVED:
             return 0.0
-    until = stop_after(wave, float(direction), v, now, span)
+    until = stop_after(wave, float(direction), velocity, phase_now, span)
     return until if until >= 0.0 else math.inf
 
 
 @borrowing
-def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: float) -> float:
+def contact_until(row: Row, drive: RowWave, contact: int, phase_now: float, span: float) -> float:
     """Return the phase in rad until a gap in a row closes; inf if not within `span`.
 
     As under a sine, between two phases at which a P + b S - k changes sign (theory 17.3).
@@ -282,47 +285,50 @@ def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: floa
         row.push_factor[front] - row.push_factor[rear],
         drive.normal_factor[front] - drive.normal_factor[rear],
     )
-    k, v = row.pull[front] - row.pull[rear], row.speed[front] - row.speed[rear]
-    g, steady = row.gap[contact], a == 0.0 and b == 0.0 and k == 0.0
-    if steady and v >= 0.0:
+    k, gap_rate = row.pull[front] - row.pull[rear], row.speed[front] - row.speed[rear]
+    gap, steady = row.gap[contact], a == 0.0 and b == 0.0 and k == 0.0
+    if steady and gap_rate >= 0.0:
         return math.inf
     largest_push = abs(a) * drive.push_along + abs(b) * drive.push_normal
-    approach, largest_loss = min(v, 0.0) * span, max(largest_push + k, 0.0) * span * span / 2.0
-    if g + approach - largest_loss > ROUNDING * (g - approach + largest_loss):
+    approach, largest_loss = (
+        min(gap_rate, 0.0) * span,
+        max(largest_push + k, 0.0) * span * span / 2.0,
+    )
+    if gap + approach - largest_loss > ROUNDING * (gap - approach + largest_loss):
         return math.inf
     wave = combined_wave(drive, contact, NORMAL, a, b, k)
-    rounding = 1e-15 * (largest_push + abs(k) + abs(v))
-    low, rate_at_low, gap_at_low, start = 0.0, v, g, speed_start(wave, NORMAL, now)
+    rounding = 1e-15 * (largest_push + abs(k) + abs(gap_rate))
+    low, rate_at_low, gap_at_low, start = 0.0, gap_rate, gap, speed_start(wave, NORMAL, phase_now)
     for _ in range(MAX_PIECES):
-        high = min(span, later_passage(wave, NORMAL, now + low)[0] - now)
-        rate_at_high, distance_at_high = flow(wave, NORMAL, v, now, high)
+        high = min(span, later_passage(wave, NORMAL, phase_now + low)[0] - phase_now)
+        rate_at_high, distance_at_high = flow(wave, NORMAL, gap_rate, phase_now, high)
         if rate_at_low < 0.0 < rate_at_high and gap_at_low + rate_at_low * (
             high - low
         ) <= ROUNDING * (gap_at_low + abs(distance_at_high)):
             least_phase = zero_of_velocity(
-                wave, NORMAL, v, now, start, low, high, rate_at_low, rate_at_high
+                wave, NORMAL, gap_rate, phase_now, start, low, high, rate_at_low, rate_at_high
             )
-            if g + flow(wave, NORMAL, v, now, least_phase)[1] < -rounding:
-                return _contact_between(wave, g, v, now, low, least_phase)
-        if g + distance_at_high < -rounding:
+            if gap + flow(wave, NORMAL, gap_rate, phase_now, least_phase)[1] < -rounding:
+                return _contact_between(wave, gap, gap_rate, phase_now, low, least_phase)
+        if gap + distance_at_high < -rounding:
             if rate_at_high < 0.0 < rate_at_low:  # it opens before it closes
                 low = zero_of_velocity(
-                    wave, NORMAL, v, now, start, low, high, rate_at_low, rate_at_high
+                    wave, NORMAL, gap_rate, phase_now, start, low, high, rate_at_low, rate_at_high
                 )
-            return _contact_between(wave, g, v, now, low, high)
+            return _contact_between(wave, gap, gap_rate, phase_now, low, high)
         if high == span:
             break
-        low, rate_at_low, gap_at_low = high, rate_at_high, g + distance_at_high
+        low, rate_at_low, gap_at_low = high, rate_at_high, gap + distance_at_high
     return math.inf
 
 
 @borrowing
 def _contact_between(
-    wave: WaveDrive, g: float, v: float, tau: float, low: float, high: float
+    wave: WaveDrive, gap: float, gap_rate: float, tau: float, low: float, high: float
 ) -> float:
-    if low == 0.0 and g <= 0.0:
+    if low == 0.0 and gap <= 0.0:
         return 0.0
-    return landing_root(wave, g, v, tau, low, high)
+    return landing_root(wave, gap, gap_rate, tau, low, high)
 
 
 @borrowing
@@ -425,11 +431,12 @@ def positive_impulse(
 def largest_force(
     drive: RowWave, body: int, along: float, normal: float, pull: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of `along` P + `normal` S - `pull` over a phase."""
+    """Return the largest `along` P + `normal` S - `pull` over a phase, with the pushes P and S."""
     if drive.base.steps > 0:
         step = step_at(drive.base, tau + 0.5 * span)
         levels = drive.base.table
         return along * levels[2 * AIR, step] + normal * levels[2 * NORMAL, step] - pull
+    # Its extremes lie where the derivative of the sums changes sign.
     wave = combined_wave(drive, body, NORMAL, along, normal, SLOPE)
     phase, largest = tau, -math.inf
     while True:

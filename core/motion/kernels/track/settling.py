@@ -111,7 +111,7 @@ def state_distance(wall: bool, rolling: float, history: History, later: int, ear
 
 @compiled
 def repeats(
-    wall: bool, rolling: float, history: History, last: int, since: int, tolerance: float,
+    wall: bool, rolling: float, history: History, last: int, counted_from: int, tolerance: float,
     divisor_distance: float,
 ) -> int:  # fmt: skip
     """Return the number of periods after which the motion repeats, 0 if it does not.
@@ -120,7 +120,7 @@ def repeats(
     by less than `divisor_distance`: the shorter cycle may not have settled yet.
     """
     ends, starts, column = history.ends, history.starts, STATE.ux
-    for multiple in range(1, min(MAX_MULTIPLE, last - since + 1) + 1):
+    for multiple in range(1, min(MAX_MULTIPLE, last - counted_from + 1) + 1):
         if abs(ends[last, column] - starts[last - multiple + 1, column]) > tolerance:
             continue  # as most are: told apart by one number
         if state_distance(wall, rolling, history, last, last - multiple + 1) > tolerance:
@@ -139,16 +139,16 @@ def repeats(
 
 @compiled
 def remaining_transient(
-    wall: bool, rolling: float, history: History, last: int, multiple: int, since: int
+    wall: bool, rolling: float, history: History, last: int, multiple: int, counted_from: int
 ) -> float:
     """Return an estimate of the distance of a state from that of the repeating motion, in g/w.
 
     d/(1 - q), q = d/d0 at most 0.999, with the change d over the last cycle and d0 over the one
-    before; d alone if that began before period `since`, the last jump of the iteration (theory
-    13.13).
+    before; d alone if that began before period `counted_from`, the last jump of the iteration
+    (theory 13.13).
     """
     change = state_distance(wall, rolling, history, last, last - multiple + 1)
-    if last - 2 * multiple + 1 < since or change == 0.0:
+    if last - 2 * multiple + 1 < counted_from or change == 0.0:
         return change
     change_before = state_distance(wall, rolling, history, last - multiple, last - 2 * multiple + 1)
     ratio = min(change / change_before, 0.999) if change_before > 0.0 else 0.0
@@ -161,6 +161,7 @@ def follow_period(
     history: History, work: Work,
 ) -> bool:  # fmt: skip
     """Follow a cell for one more period and record it in `history`; False if that fails."""
+    # Without phases to sample, and with empty arrays for samples and energies.
     state[STATE.x] = 0.0
     history.starts[period], history.holds[period] = state, hold
     succeeded = advance(
@@ -250,7 +251,7 @@ def follow_within_limits(
     """Follow a cell until it repeats, within limits; return how it repeats, and jumps used."""
     speed = push.drive_speed(work)
     tolerance = cell.tolerance * speed
-    since, shrinking_periods, jumps = 0, 0, 0
+    counted_from, shrinking_periods, jumps = 0, 0, 0
     for period in range(max_periods):
         if raised(history.stop):
             return Settling(STATUS.limit_reached, 0, period, math.inf), jumps
@@ -266,18 +267,20 @@ def follow_within_limits(
             max(tolerance, NOISE * series.tolerance * speed) if is_wide_check else tolerance
         )
         divisor_distance = max(state_tolerance, min(APART * state_tolerance, APART_AT_MOST * speed))
-        multiple = repeats(wall, rolling, history, period, since, state_tolerance, divisor_distance)
+        multiple = repeats(
+            wall, rolling, history, period, counted_from, state_tolerance, divisor_distance
+        )
         if multiple > 0:
-            transient = remaining_transient(wall, rolling, history, period, multiple, since)
+            transient = remaining_transient(wall, rolling, history, period, multiple, counted_from)
             return Settling(STATUS.periodic, multiple, period + 1, transient), jumps
-        if period == 0 or period <= since or most_jumps == 0:
+        if period == 0 or period <= counted_from or most_jumps == 0:
             continue
         change, change_before = (
             step_size(wall, history, period),
             step_size(wall, history, period - 1),
         )
         has_same_events = same_events(history, period, period - 1)
-        largest_ratio = SHRINKS if period - since < LONG else SHRINKS_AT_ALL
+        largest_ratio = SHRINKS if period - counted_from < LONG else SHRINKS_AT_ALL
         shrinking_periods = (
             shrinking_periods + 1
             if has_same_events and change < largest_ratio * change_before
@@ -287,8 +290,8 @@ def follow_within_limits(
             continue
         if jumps == most_jumps:
             return Settling(STATUS.aperiodic, 0, period + 1, math.inf), jumps
-        if jump_to_prediction(wall, history, period, since, state):
-            since, shrinking_periods, jumps = period + 1, 0, jumps + 1
+        if jump_to_prediction(wall, history, period, counted_from, state):
+            counted_from, shrinking_periods, jumps = period + 1, 0, jumps + 1
     return Settling(STATUS.aperiodic, 0, max_periods, math.inf), jumps
 
 
@@ -316,14 +319,16 @@ def step_size(wall: bool, history: History, period: int) -> float:
 
 
 @compiled
-def jump_to_prediction(wall: bool, history: History, last: int, since: int, state: Floats) -> bool:
+def jump_to_prediction(
+    wall: bool, history: History, last: int, counted_from: int, state: Floats
+) -> bool:
     """Move the state to where the motion is predicted to repeat; False if there is no prediction.
 
     Weights minimise |f_last - sum of weights times differences of f| of the residuals f = end -
     start of periods with equal events; the new state is the same combination of the ends.
     """
     depth = 0
-    while depth < min(DEPTH, last - since) and same_events(history, last - depth - 1, last):
+    while depth < min(DEPTH, last - counted_from) and same_events(history, last - depth - 1, last):
         depth += 1
     first, columns = first_coordinate(wall, history, last), len(STATE)
     weights, used = mixing_weights(history, last, depth, first)

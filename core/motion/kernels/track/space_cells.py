@@ -314,7 +314,7 @@ def power_cells(
 ) -> None:
     """Fill the table of mean powers of cells in space: what friction, impacts and the drive do.
 
-    `table` has the columns of `SPENT`, per mass in g^2/w; NaN without a cycle (theory 13.15).
+    `table` has the columns of `POWER`, per mass in g^2/w; NaN without a cycle (theory 13.15).
     """
     if groups.shape[0] == 0:
         return

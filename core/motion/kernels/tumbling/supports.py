@@ -50,8 +50,10 @@ def accelerations(
         normal, friction = flat_force(cell, sigma, time)
         return along + friction, 0.0, abs(friction * slip) if sigma != 0 else 0.0
     normal, friction = corner_force(cell, support, sigma, time, pitch, pitch_rate)
-    s, c = corner_at(cell, support, pitch)
-    pitch_acceleration = -cell.inertia_ratio * (normal * c + friction * s) / cell.half_diagonal
+    sine, cosine = corner_at(cell, support, pitch)
+    pitch_acceleration = (
+        -cell.inertia_ratio * (normal * cosine + friction * sine) / cell.half_diagonal
+    )
     return along + friction, pitch_acceleration, abs(friction * slip) if sigma != 0 else 0.0
 
 
@@ -93,11 +95,11 @@ def place_on_support(cell: Cell, state: Floats, support: int, sigma: int) -> Non
         if sigma == 0:
             state[STATE.along_rate] = 0.0
     elif support >= 0:
-        s, c = corner_at(cell, support, state[STATE.pitch])
+        sine, cosine = corner_at(cell, support, state[STATE.pitch])
         turning_speed = cell.half_diagonal * state[STATE.pitch_rate]
-        state[STATE.up], state[STATE.up_rate] = cell.half_diagonal * s, turning_speed * c
+        state[STATE.up], state[STATE.up_rate] = cell.half_diagonal * sine, turning_speed * cosine
         if sigma == 0:
-            state[STATE.along_rate] = turning_speed * s
+            state[STATE.along_rate] = turning_speed * sine
 
 
 @compiled
@@ -122,8 +124,8 @@ def step_on_support(
     along_sum = rate_sum = pitch_sum = pitch_rate_sum = lost_sum = 0.0
     stage_rate, stage_pitch, stage_pitch_rate = along_rate, pitch, pitch_rate
     for stage in range(4):
-        s, _ = corner_at(cell, corner, stage_pitch)
-        slip = stage_rate - rho * stage_pitch_rate * s
+        sine, _ = corner_at(cell, corner, stage_pitch)
+        slip = stage_rate - rho * stage_pitch_rate * sine
         time_fraction = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         weight = step / 6 if stage in (0, 3) else step / 3
         acceleration, pitch_acceleration, power = accelerations(
@@ -145,8 +147,8 @@ def step_on_support(
     after[STATE.lost] = lost + lost_sum
     place_on_support(cell, after, support, sigma)
     if support >= 0 and sigma == 0 and cell.turning != 0.0:
-        _, c = corner_at(cell, corner, after[STATE.pitch])
-        after[STATE.along] = along + rho * (cosine_before - c)
+        _, cosine = corner_at(cell, corner, after[STATE.pitch])
+        after[STATE.along] = along + rho * (cosine_before - cosine)
 
 
 @compiled
@@ -161,7 +163,7 @@ def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
 
 @compiled
 def apply_impulse(
-    cell: Cell, state: Floats, s: float, c: float, normal: float, tangential: float
+    cell: Cell, state: Floats, sine: float, cosine: float, normal: float, tangential: float
 ) -> None:
     """Change the velocities in `state` of a tumbling part by an impulse per mass at one corner.
 
@@ -170,7 +172,7 @@ def apply_impulse(
     state[STATE.along_rate] += tangential
     state[STATE.up_rate] += normal
     state[STATE.pitch_rate] -= (
-        cell.inertia_ratio * (normal * c + tangential * s) / cell.half_diagonal
+        cell.inertia_ratio * (normal * cosine + tangential * sine) / cell.half_diagonal
     )
 
 
@@ -206,44 +208,48 @@ def compress(
     Normal impulses per mass at the right and left corner (-1 for none), and that of friction, in
     m/s (theory 5.3). On a side both corners slide alike, so that friction is one force.
     """
-    rho, kappa, mu = cell.half_diagonal, cell.inertia_ratio, cell.friction_kinetic
+    rho, kappa, friction_kinetic = cell.half_diagonal, cell.inertia_ratio, cell.friction_kinetic
     copy(state, after)
     rate_right = gap_rate_of(cell, state, right)
-    s_r, c_r = corner_at(cell, right, state[STATE.pitch])
+    sine_right, cosine_right = corner_at(cell, right, state[STATE.pitch])
     slack = 1e-12 * (abs(rate_right) + rho * abs(state[STATE.pitch_rate]))
     if left >= 0:
-        s_l, c_l = corner_at(cell, left, state[STATE.pitch])
+        sine_left, cosine_left = corner_at(cell, left, state[STATE.pitch])
         rate_left = gap_rate_of(cell, state, left)
         slack += 1e-12 * abs(rate_left)
-        half_length, height = rho * (c_r - c_l) / 2, rho * s_r
+        half_length, height = rho * (cosine_right - cosine_left) / 2, rho * sine_right
         turning_to_stop = (rate_left - rate_right) / (2.0 * half_length)
         normal_sum = -(rate_left + rate_right) / 2
         if normal_sum > 0.0:
             # Both at rest: no pitch rate and no rise remain.
             sticking = -(slip_of(cell, state, right) + height * turning_to_stop)
-            friction = min(max(sticking, -mu * normal_sum), mu * normal_sum)
+            friction = min(
+                max(sticking, -friction_kinetic * normal_sum), friction_kinetic * normal_sum
+            )
             tilt = (turning_to_stop * rho * rho / kappa - height * friction) / half_length
             if abs(tilt) <= normal_sum:
-                apply_impulse(cell, after, s_r, c_r, (normal_sum + tilt) / 2, friction)
-                apply_impulse(cell, after, s_l, c_l, (normal_sum - tilt) / 2, 0.0)
+                apply_impulse(
+                    cell, after, sine_right, cosine_right, (normal_sum + tilt) / 2, friction
+                )
+                apply_impulse(cell, after, sine_left, cosine_left, (normal_sum - tilt) / 2, 0.0)
                 return (normal_sum + tilt) / 2, (normal_sum - tilt) / 2, friction
         # One of them alone, if the other does not approach then.
         if rate_left < 0.0:
-            G_nn, G_nt, G_tt = delassus(cell, s_l, c_l)
+            G_nn, G_nt, G_tt = delassus(cell, sine_left, cosine_left)
             normal, friction = stopping_impulse(
-                G_nn, G_nt, G_tt, rate_left, slip_of(cell, state, left), mu
+                G_nn, G_nt, G_tt, rate_left, slip_of(cell, state, left), friction_kinetic
             )
-            apply_impulse(cell, after, s_l, c_l, normal, friction)
+            apply_impulse(cell, after, sine_left, cosine_left, normal, friction)
             if gap_rate_of(cell, after, right) >= -slack or rate_right >= 0.0:
                 return 0.0, normal, friction
             copy(state, after)
     if rate_right >= 0.0:
         return 0.0, 0.0, 0.0
-    G_nn, G_nt, G_tt = delassus(cell, s_r, c_r)
+    G_nn, G_nt, G_tt = delassus(cell, sine_right, cosine_right)
     normal, friction = stopping_impulse(
-        G_nn, G_nt, G_tt, rate_right, slip_of(cell, state, right), mu
+        G_nn, G_nt, G_tt, rate_right, slip_of(cell, state, right), friction_kinetic
     )
-    apply_impulse(cell, after, s_r, c_r, normal, friction)
+    apply_impulse(cell, after, sine_right, cosine_right, normal, friction)
     return normal, 0.0, friction
 
 
@@ -268,26 +274,26 @@ def apply_impact(cell: Cell, state: Floats, after: Floats) -> bool:
     if approach >= -slow:
         return False
     if left >= 0:
-        _, c_r = corner_at(cell, right, state[STATE.pitch])
-        _, c_l = corner_at(cell, left, state[STATE.pitch])
-        if c_r < c_l:
+        _, cosine_right = corner_at(cell, right, state[STATE.pitch])
+        _, cosine_left = corner_at(cell, left, state[STATE.pitch])
+        if cosine_right < cosine_left:
             right, left = left, right
     energy_before = kinetic(cell, state)
     restitution = cell.restitution
     impulse_right, impulse_left, _ = compress(cell, state, right, left, after)
     copy(after, state)
-    s, c = corner_at(cell, right, state[STATE.pitch])
-    apply_impulse(cell, state, s, c, restitution * impulse_right, 0.0)
+    sine, cosine = corner_at(cell, right, state[STATE.pitch])
+    apply_impulse(cell, state, sine, cosine, restitution * impulse_right, 0.0)
     sliding_corner = right
     if left >= 0:
-        s_l, c_l = corner_at(cell, left, state[STATE.pitch])
-        apply_impulse(cell, state, s_l, c_l, restitution * impulse_left, 0.0)
+        sine_left, cosine_left = corner_at(cell, left, state[STATE.pitch])
+        apply_impulse(cell, state, sine_left, cosine_left, restitution * impulse_left, 0.0)
         if impulse_right == 0.0:
-            sliding_corner, s, c = left, s_l, c_l
+            sliding_corner, sine, cosine = left, sine_left, cosine_left
     limit = cell.friction_kinetic * restitution * (impulse_right + impulse_left)
-    _, _, G_tt = delassus(cell, s, c)
+    _, _, G_tt = delassus(cell, sine, cosine)
     sticking = -slip_of(cell, state, sliding_corner) / G_tt
-    apply_impulse(cell, state, s, c, 0.0, min(max(sticking, -limit), limit))
+    apply_impulse(cell, state, sine, cosine, 0.0, min(max(sticking, -limit), limit))
     for _ in range(20):
         slowest = gap_rate_of(cell, state, right)
         if left >= 0:
@@ -323,8 +329,8 @@ def support_fits(cell: Cell, support: int, sigma: int, state: Floats, time: floa
                 return False
         if support == FREE:
             return True
-        s, c = corner_at(cell, support, state[STATE.pitch])
-        if sigma != 0 and response_of(cell, s, c, sigma) <= 0.0:
+        sine, cosine = corner_at(cell, support, state[STATE.pitch])
+        if sigma != 0 and response_of(cell, sine, cosine, sigma) <= 0.0:
             return False
         normal, friction = corner_force(
             cell, support, sigma, time, state[STATE.pitch], state[STATE.pitch_rate]
@@ -342,16 +348,16 @@ def support_fits(cell: Cell, support: int, sigma: int, state: Floats, time: floa
 @compiled
 def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
     """Remove a small remaining velocity of a corner by an impulse, which cannot add energy."""
-    s, c = corner_at(cell, corner, state[STATE.pitch])
-    G_nn, G_nt, G_tt = delassus(cell, s, c)
+    sine, cosine = corner_at(cell, corner, state[STATE.pitch])
+    G_nn, G_nt, G_tt = delassus(cell, sine, cosine)
     u_n = gap_rate_of(cell, state, corner)
     if slip_too:
         u_t = slip_of(cell, state, corner)
         determinant = 1.0 + cell.inertia_ratio
         normal, tangential = (G_nt * u_t - G_tt * u_n), (G_nt * u_n - G_nn * u_t)
-        apply_impulse(cell, state, s, c, normal / determinant, tangential / determinant)
+        apply_impulse(cell, state, sine, cosine, normal / determinant, tangential / determinant)
     else:
-        apply_impulse(cell, state, s, c, -u_n / G_nn, 0.0)
+        apply_impulse(cell, state, sine, cosine, -u_n / G_nn, 0.0)
 
 
 @compiled
@@ -369,10 +375,10 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
     if comes_to_rest:
         stop_corner(cell, state, corner, True)
     place_on_support(cell, state, corner, 1)
-    s, c = corner_at(cell, corner, state[STATE.pitch])
-    chi, along = free_corner(cell, time, s, c, state[STATE.pitch_rate])
+    sine, cosine = corner_at(cell, corner, state[STATE.pitch])
+    chi, along = free_corner(cell, time, sine, cosine, state[STATE.pitch_rate])
     if comes_to_rest:
-        normal, friction = holding_force(cell, s, c, chi, along)
+        normal, friction = holding_force(cell, sine, cosine, chi, along)
         if normal >= 0.0 and abs(friction) <= cell.friction_static * normal:
             return corner, 0
         if chi > 0.0:
@@ -380,7 +386,7 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
         sigma = -1 if friction > 0.0 else 1
     else:
         sigma = 1 if slip > 0.0 else -1
-    if response_of(cell, s, c, sigma) <= 0.0:
+    if response_of(cell, sine, cosine, sigma) <= 0.0:
         return PARADOX, 0
     if chi > 0.0:
         return FREE, 0

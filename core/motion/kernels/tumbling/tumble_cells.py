@@ -62,8 +62,8 @@ def set_start(cell: Cell, state: Floats) -> None:
     state[STATE.along_rate], state[STATE.up_rate] = cell.velocity_along, cell.velocity_upward
     lowest = 0.0
     for corner in range(corner_count(cell)):
-        s, _ = corner_at(cell, corner, cell.pitch)
-        lowest = max(lowest, s)
+        sine, _ = corner_at(cell, corner, cell.pitch)
+        lowest = max(lowest, sine)
     state[STATE.up] = cell.half_diagonal * lowest + cell.gap_normal
 
 
@@ -153,6 +153,7 @@ def time_of_dip(
     for corner in range(corner_count(cell)):
         rate_before, rate_after = gap_rate_of(cell, state, corner), gap_rate_of(cell, after, corner)
         if corner != support and rate_before < 0.0 < rate_after:
+            # Its rate taken as linear, the corner is lowest then.
             turning_time = step * rate_before / (rate_before - rate_after)
             step_on_support(cell, support, sigma, state, time, turning_time, trial)
             if gap_of(cell, trial, corner) < -OVERLAP * cell.half_diagonal:
