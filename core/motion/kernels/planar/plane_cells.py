@@ -242,6 +242,7 @@ def pieces_to_draw(
     elif count > 0:
         _, _, log_rows = follow_cycle(segments, count, slip, drive, sums, log)
     elif status in UNKNOWN and lifts(drive):
+        # Of a motion that does not repeat the last periods are shown.
         restitution, max_periods = restitution_of(cell), int(cell.max_periods)
         _, count, _ = normal_cycle(drive, phase, restitution, max_periods, math.inf, segments)
         shown, shown_time = 0, 0.0

@@ -307,13 +307,13 @@ def stop_between(
 
     u' = C sin(phase + D) - k.
     """
-    first_velocity, last_velocity = (
+    velocity_at_low, velocity_at_high = (
         flow(v, C, k, sine, cosine, low)[0],
         flow(v, C, k, sine, cosine, high)[0],
     )
     d = (
-        low + (high - low) * first_velocity / (first_velocity - last_velocity)
-        if first_velocity > last_velocity
+        low + (high - low) * velocity_at_low / (velocity_at_low - velocity_at_high)
+        if velocity_at_low > velocity_at_high
         else low
     )
     for _ in range(MAX_ITERATIONS):

@@ -234,25 +234,25 @@ def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, fl
 
 
 @borrowing
-def speed_from(
-    drive: WaveDrive, kind: int, v: float, tau: float, start: float, d: float
+def velocity_from(
+    drive: WaveDrive, kind: int, start_velocity: float, tau: float, push_integral: float, d: float
 ) -> tuple[float, float, float]:
     """Return velocity, acceleration and its derivative of a part after a phase `d`, under a wave.
 
     v - k D + P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), with the push p, its integral
-    P1 and the pull k; `start` is P1(tau).
+    P1 and the pull k; `push_integral` is P1(tau).
     """
     if drive.steps > 0:
         net_push = acceleration(drive, kind, tau + d)
-        return stepped_flow(drive, kind, v, tau, d)[0], net_push, 0.0
+        return stepped_flow(drive, kind, start_velocity, tau, d)[0], net_push, 0.0
     pull = drive.table[PULLS, kind]
     slope, push, integral, _ = integrals(drive, kind, tau + d)
-    return v - pull * d + (integral - start), push - pull, slope
+    return start_velocity - pull * d + (integral - push_integral), push - pull, slope
 
 
 @borrowing
-def speed_start(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return the integral P1(tau) of a kind's push that `speed_from` takes as `start`."""
+def push_integral_at(drive: WaveDrive, kind: int, tau: float) -> float:
+    """Return the integral P1(tau) of a kind's push that `velocity_from` takes as `start`."""
     return 0.0 if drive.steps > 0 else integrals(drive, kind, tau)[2]
 
 
@@ -328,18 +328,21 @@ def stepped_flow(
 
 @borrowing
 def zero_of_velocity(
-    drive: WaveDrive, kind: int, v: float, tau: float, start: float, low: float, high: float,
-    first_velocity: float, last_velocity: float,
+    drive: WaveDrive, kind: int, start_velocity: float, tau: float, push_integral: float,
+    low: float, high: float, velocity_at_low: float, velocity_at_high: float,
 ) -> float:  # fmt: skip
     """Return the phase between `low` and `high` at which a monotonic velocity under a wave is 0."""
-    rises = last_velocity > first_velocity
+    # Halley's steps within the bracket, else halving; `push_integral` is that of `velocity_from`.
+    rises = velocity_at_high > velocity_at_low
     d = (
-        low + (high - low) * first_velocity / (first_velocity - last_velocity)
-        if first_velocity * last_velocity < 0.0
+        low + (high - low) * velocity_at_low / (velocity_at_low - velocity_at_high)
+        if velocity_at_low * velocity_at_high < 0.0
         else 0.5 * (low + high)
     )
     for _ in range(MAX_ITERATIONS):
-        velocity, net_push, slope = speed_from(drive, kind, v, tau, start, d)
+        velocity, net_push, slope = velocity_from(
+            drive, kind, start_velocity, tau, push_integral, d
+        )
         if (velocity > 0.0) == rises:
             high = d
         else:

@@ -25,10 +25,10 @@ from vibrafeed.core.motion.kernels.planar.wave import (
     later_passage,
     next_crossing,
     next_passage,
+    push_integral_at,
     push_of,
-    speed_from,
-    speed_start,
     step_at,
+    velocity_from,
     within_turn,
     zero_of_velocity,
 )
@@ -117,7 +117,7 @@ def landing(drive: WaveDrive, take_off: float, tau: float) -> float:
             if flow(drive, NORMAL, take_off, tau, guess)[1] <= 0.0:
                 return landing_root(drive, 0.0, take_off, tau, 0.0, guess)
             guess *= 2.0
-    start = speed_start(drive, NORMAL, tau)
+    push_integral = push_integral_at(drive, NORMAL, tau)
     for _ in range(MAX_PIECES):
         passage, rises = later_passage(drive, NORMAL, tau + d)
         end = passage - tau
@@ -127,7 +127,7 @@ def landing(drive: WaveDrive, take_off: float, tau: float) -> float:
                 lowest = end
                 if end_velocity > 0.0:
                     lowest = zero_of_velocity(
-                        drive, NORMAL, take_off, tau, start, d, end, velocity, end_velocity
+                        drive, NORMAL, take_off, tau, push_integral, d, end, velocity, end_velocity
                     )
                     height = flow(drive, NORMAL, take_off, tau, lowest)[1]
                 if height <= 0.0:
@@ -190,13 +190,13 @@ def hop_height(
     if (drive.gravity_normal + drive.push_normal) * span * span / 8 <= known_height:
         return known_height
     highest, d, velocity = known_height, 0.0, take_off
-    start = speed_start(drive, NORMAL, tau)
+    push_integral = push_integral_at(drive, NORMAL, tau)
     for _ in range(MAX_PIECES):
         end = min(span, later_passage(drive, NORMAL, tau + d)[0] - tau)
-        end_velocity = speed_from(drive, NORMAL, take_off, tau, start, end)[0]
+        end_velocity = velocity_from(drive, NORMAL, take_off, tau, push_integral, end)[0]
         if velocity >= 0.0 > end_velocity:
             top = zero_of_velocity(
-                drive, NORMAL, take_off, tau, start, d, end, velocity, end_velocity
+                drive, NORMAL, take_off, tau, push_integral, d, end, velocity, end_velocity
             )
             highest = max(highest, flow(drive, NORMAL, take_off, tau, top)[1])
         d, velocity = end, end_velocity
@@ -228,21 +228,29 @@ def stop_after(drive: WaveDrive, sign: float, slip: float, phase: float, span: f
     Between two changes of sign of the acceleration the velocity is monotonic, so that one piece
     after the other is tested by its end (theory 13.14).
     """
-    kind, low, first_velocity = kind_of(sign), 0.0, slip
-    start = speed_start(drive, kind, phase)
+    kind, low, velocity_at_low = kind_of(sign), 0.0, slip
+    push_integral = push_integral_at(drive, kind, phase)
     if slip == 0.0:
         # From rest a part starts to slide only where it gains speed, whatever rounding says.
-        low, first_velocity = next_crossing(drive, kind, phase, sign < 0.0) - phase, sign
+        low, velocity_at_low = next_crossing(drive, kind, phase, sign < 0.0) - phase, sign
     for _ in range(MAX_PIECES):
         if not low < span:
             return -1.0
         high = min(span, later_passage(drive, kind, phase + low)[0] - phase)
-        last_velocity = speed_from(drive, kind, slip, phase, start, high)[0]
-        if sign * last_velocity <= 0.0:
+        velocity_at_high = velocity_from(drive, kind, slip, phase, push_integral, high)[0]
+        if sign * velocity_at_high <= 0.0:
             return zero_of_velocity(
-                drive, kind, slip, phase, start, low, high, first_velocity, last_velocity
+                drive,
+                kind,
+                slip,
+                phase,
+                push_integral,
+                low,
+                high,
+                velocity_at_low,
+                velocity_at_high,
             )
-        low, first_velocity = high, last_velocity
+        low, velocity_at_low = high, velocity_at_high
     return -1.0
 
 

@@ -37,8 +37,8 @@ from vibrafeed.core.motion.kernels.planar.wave import (
     later_passage,
     next_crossing,
     next_passage,
+    push_integral_at,
     push_of,
-    speed_start,
     step_at,
     zero_of_velocity,
 )
@@ -298,7 +298,12 @@ def contact_until(row: Row, drive: RowWave, contact: int, phase_now: float, span
         return math.inf
     wave = combined_wave(drive, contact, NORMAL, a, b, k)
     rounding = 1e-15 * (largest_push + abs(k) + abs(gap_rate))
-    low, rate_at_low, gap_at_low, start = 0.0, gap_rate, gap, speed_start(wave, NORMAL, phase_now)
+    low, rate_at_low, gap_at_low, push_integral = (
+        0.0,
+        gap_rate,
+        gap,
+        push_integral_at(wave, NORMAL, phase_now),
+    )
     for _ in range(MAX_PIECES):
         high = min(span, later_passage(wave, NORMAL, phase_now + low)[0] - phase_now)
         rate_at_high, distance_at_high = flow(wave, NORMAL, gap_rate, phase_now, high)
@@ -306,14 +311,30 @@ def contact_until(row: Row, drive: RowWave, contact: int, phase_now: float, span
             high - low
         ) <= ROUNDING * (gap_at_low + abs(distance_at_high)):
             least_phase = zero_of_velocity(
-                wave, NORMAL, gap_rate, phase_now, start, low, high, rate_at_low, rate_at_high
+                wave,
+                NORMAL,
+                gap_rate,
+                phase_now,
+                push_integral,
+                low,
+                high,
+                rate_at_low,
+                rate_at_high,
             )
             if gap + flow(wave, NORMAL, gap_rate, phase_now, least_phase)[1] < -rounding:
                 return _contact_between(wave, gap, gap_rate, phase_now, low, least_phase)
         if gap + distance_at_high < -rounding:
             if rate_at_high < 0.0 < rate_at_low:  # it opens before it closes
                 low = zero_of_velocity(
-                    wave, NORMAL, gap_rate, phase_now, start, low, high, rate_at_low, rate_at_high
+                    wave,
+                    NORMAL,
+                    gap_rate,
+                    phase_now,
+                    push_integral,
+                    low,
+                    high,
+                    rate_at_low,
+                    rate_at_high,
                 )
             return _contact_between(wave, gap, gap_rate, phase_now, low, high)
         if high == span:
