@@ -225,13 +225,13 @@ class Speeds(NamedTuple):
     """Mean velocities along stretches of tracks; arrays of one shape (n,).
 
     The nodes of a cell follow each other, from the start of the track to its exit: `stretch` counts
-    from 0, `at` is a share of its `length` [m]. Mean `velocity`, NaN where there is none, and its
-    own `error` [m s-1]; throw number, and periods after which the motion repeats.
+    from 0, `fraction` is that of its `length` [m]. Mean `velocity`, NaN where there is none, and
+    its own `error` [m s-1]; throw number, and periods after which the motion repeats.
     """
 
     cell: NDArray[np.intp]
     stretch: NDArray[np.intp]
-    at: Array
+    fraction: Array
     length: Array
     velocity: Array
     error: Array
@@ -243,17 +243,17 @@ class Intervals(NamedTuple):
     """Times and least velocities between neighbouring nodes of `Speeds`; arrays of one shape (n,).
 
     An interval belongs to the node at its start; those that lead to another stretch or cell have no
-    length, and take no time. `width` is a share of the stretch, `time` that of a part [s]; `late`
-    is what a bend of the velocity between the nodes may add, `later` with their own errors; `lower`
-    the least velocity that such a bend leaves possible, `lowest` with those errors [m s-1].
+    length, and take no time. `width` is a share of the stretch, `time` that of a part [s]; `delay`
+    is what a bend of the velocity between the nodes may add, `least` the least velocity that it
+    leaves possible [m s-1]; those `with_errors` also count the velocities' own.
     """
 
     width: Array
     time: Array
-    late: Array
-    later: Array
-    lower: Array
-    lowest: Array
+    delay: Array
+    delay_with_errors: Array
+    least: Array
+    least_with_errors: Array
 
 
 def intervals_of(speeds: Speeds) -> Intervals:
@@ -266,7 +266,7 @@ def intervals_of(speeds: Speeds) -> Intervals:
     """
     velocity, error = speeds.velocity, speeds.error
     is_interval = (np.diff(speeds.cell) == 0) & (np.diff(speeds.stretch) == 0)
-    width = np.where(is_interval, np.diff(speeds.at), 0.0)
+    width = np.where(is_interval, np.diff(speeds.fraction), 0.0)
     distance = width * speeds.length[1:]
     slope = np.diff(velocity) / np.where(is_interval, distance, 1.0)
     are_neighbours = is_interval[1:] & is_interval[:-1]
@@ -342,7 +342,7 @@ class AlongTrack:
             unresolved = np.flatnonzero(self._needs_halving(speeds))
             if not unresolved.size:
                 break
-            middle = 0.5 * (speeds.at[unresolved] + speeds.at[unresolved + 1])
+            middle = 0.5 * (speeds.fraction[unresolved] + speeds.fraction[unresolved + 1])
             middles = self._speeds(
                 quantities, settings, speeds.cell[unresolved], speeds.stretch[unresolved], middle
             )
@@ -352,15 +352,16 @@ class AlongTrack:
             )
         intervals, start = intervals_of(speeds), np.flatnonzero(np.diff(speeds.cell, prepend=-1))
         time, delay = (
-            np.add.reduceat(durations, start) for durations in (intervals.time, intervals.later)
+            np.add.reduceat(durations, start)
+            for durations in (intervals.time, intervals.delay_with_errors)
         )
         least = np.minimum.reduceat(speeds.velocity, start)  # NaN is least of all
-        lowest = np.minimum.reduceat(intervals.lowest, start)
+        lowest = np.minimum.reduceat(intervals.least_with_errors, start)
         is_least = np.isnan(speeds.velocity) | (speeds.velocity == least[speeds.cell])
         least_nodes = np.flatnonzero(is_least)
         slowest = least_nodes[np.unique(speeds.cell[least_nodes], return_index=True)[1]]
         stretches, fraction = self._location(
-            quantities, speeds.cell[slowest], speeds.stretch[slowest], speeds.at[slowest]
+            quantities, speeds.cell[slowest], speeds.stretch[slowest], speeds.fraction[slowest]
         )
         has_no_velocity = np.isnan(least)
         return Passage(
@@ -412,8 +413,8 @@ class AlongTrack:
         least = np.minimum.reduceat(speeds.velocity, start)[cell]
         stretch_number = cell * self.track.count + speeds.stretch
         tolerance = ENOUGH / (PARTS * self.track.count)
-        delay_counts = np.isfinite(time) & (intervals.late > tolerance * time)
-        may_be_slower = intervals.lower < least - ENOUGH * np.abs(least)
+        delay_counts = np.isfinite(time) & (intervals.delay > tolerance * time)
+        may_be_slower = intervals.least < least - ENOUGH * np.abs(least)
         depends_on_history = np.fmax(speeds.throw[:-1], speeds.throw[1:]) > MEMORY
         depends_on_history |= np.fmax(speeds.multiple[:-1], speeds.multiple[1:]) > 1.0
         differs = speeds.multiple[:-1] != speeds.multiple[1:]

@@ -499,7 +499,7 @@ def _with_wave(groups: Any) -> Any:
     return groups_with_wave
 
 
-_OTHERS = {
+_EQUATIONS_OF_WAVE = {
     one.gives: one
     for one in (
         *limits("wave"),
@@ -538,7 +538,7 @@ def under_wave(shape: Shape, equations: Collection[Equation]) -> tuple[Equation,
             needs = equation.inputs if of_motion else ("wave", *equation.inputs)
             equation = replace(equation, function=function, needs=needs, says=equation.summary)
         if equation.gives != "vibration_acceleration":
-            changed.append(_OTHERS.get(equation.gives, equation))
+            changed.append(_EQUATIONS_OF_WAVE.get(equation.gives, equation))
     says = "Return the push of the drive on a part, per weight."
     wave = Equation("wave", shape.wave, "theory 13.14", needs=shape.inputs, says=says)
     return (wave, *changed)

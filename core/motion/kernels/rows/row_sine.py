@@ -89,17 +89,17 @@ def first_stop(
     span: float,
 ) -> float:
     """Return the phase until a velocity in direction `direction` is 0; inf if not within `span`."""
-    # It falls by no more than |C| + way k a phase.
+    # It falls by no more than |C| + direction k a phase.
     largest_change = (abs(C) + direction * k) * span
     if direction * velocity - largest_change > ROUNDING * (abs(velocity) + abs(largest_change)):
         return math.inf
     first_turn, second_turn = turning_phases(C, k, tau, span)
     low, high = 0.0, first_turn
     is_at_rest = direction * velocity <= 0.0
-    starts = is_at_rest and direction * (C * sine - k) >= -RESOLVED
+    starts_moving = is_at_rest and direction * (C * sine - k) >= -RESOLVED
     for piece in range(3):
         velocity_at_high, _ = flow(velocity, C, k, sine, cosine, high)
-        if direction * velocity_at_high <= 0.0 and (low > 0.0 or not starts):
+        if direction * velocity_at_high <= 0.0 and (low > 0.0 or not starts_moving):
             if low == 0.0 and is_at_rest:
                 return 0.0
             return zero_between(0, 0.0, velocity, Pull(C, k, sine, cosine), low, high)

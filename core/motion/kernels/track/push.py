@@ -256,6 +256,7 @@ def fill_step(tau: float, order: int, work: Work) -> None:
         work[ROW.free + axis, 0] = work[ROW.levels + axis, step]
         for n in range(1, order + 1):
             work[ROW.free + axis, n] = 0.0
+    # The row of ends follows the three of levels; the speed is that at the start of the step.
     elapsed = tau - (work[ROW.levels + 3, step - 1] if step > 0 else 0.0)
     for n in range(order + 2):
         work[ROW.track, n] = 0.0
