@@ -20,7 +20,11 @@ from vibrafeed.core.motion.kernels.constants import COLUMN, RESULTS, STATUS, TAL
 from vibrafeed.core.motion.kernels.inputs import NEVER, Flags, Floats, cell_of
 from vibrafeed.core.motion.kernels.track import push, solve_cells
 from vibrafeed.core.motion.kernels.track.push import TURN, at_rest, new_work
-from vibrafeed.core.motion.kernels.track.settling import apart, approach, new_history
+from vibrafeed.core.motion.kernels.track.settling import (
+    follow_within_limits,
+    new_history,
+    state_distance,
+)
 from vibrafeed.core.motion.kernels.track.space_cells import FINE
 from vibrafeed.core.motion.method import Contacts, Groups, cells_of
 from vibrafeed.core.quantities import MOTION_STATUSES
@@ -130,22 +134,26 @@ def course_of(row: Floats, periods: int, contacts: Contacts = TRACK) -> tuple[fl
     wall, rolling = contacts.wall, float(contacts.rolling)
     cell, work, (state, hold) = cell_of(row), new_work(), at_rest()
     push.set_drive(cell, row, work)
-    speed = float(push.size(work))
+    speed = float(push.drive_speed(work))
     history = new_history(periods, NEVER)
-    found, _ = approach(cell, wall, rolling, FINE, periods, 0, state, hold, history, work)
+    found, _ = follow_within_limits(
+        cell, wall, rolling, FINE, periods, 0, state, hold, history, work
+    )
     if found.status == STATUS.limit_reached:
         return np.nan, np.nan, 0
-    travel = history.tallies[: found.done, TALLY.travel] / TURN
+    travel = history.tallies[: found.periods, TALLY.travel] / TURN
     if found.multiple == 0:
         batches = means.batch_means(travel)
         if not means.is_steady(batches, ROUNDING * speed):
             return np.nan, np.nan, 0
         return float(np.mean(batches)), means.mean_error(batches) + ROUNDING * speed, 0
-    left, cycles = found.left, found.done // 4 // found.multiple
+    left, cycles = found.transient, found.periods // 4 // found.multiple
     if cycles > 4:  # the ratio of a cycle, from many: those at the end are rounding
-        last = found.done - 1 - cycles * found.multiple
-        before = apart(wall, rolling, history, last, last - found.multiple + 1)
-        change = apart(wall, rolling, history, found.done - 1, found.done - found.multiple)
+        last = found.periods - 1 - cycles * found.multiple
+        before = state_distance(wall, rolling, history, last, last - found.multiple + 1)
+        change = state_distance(
+            wall, rolling, history, found.periods - 1, found.periods - found.multiple
+        )
         if 0.0 < change < before:
             ratio = (change / before) ** (1.0 / cycles)
             left = max(left, change * ratio / (1.0 - ratio))

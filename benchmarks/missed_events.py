@@ -30,7 +30,7 @@ from vibrafeed.core.motion.kernels.inputs import NEVER, cell_of
 from vibrafeed.core.motion.kernels.sine_sums import SineSum, passages
 from vibrafeed.core.motion.kernels.track import push
 from vibrafeed.core.motion.kernels.track.push import at_rest, new_work
-from vibrafeed.core.motion.kernels.track.settling import new_history, settle
+from vibrafeed.core.motion.kernels.track.settling import follow_until_repeating, new_history
 from vibrafeed.core.motion.kernels.track.space_cells import FINE
 from vibrafeed.core.motion.method import STATUS, Contacts, Groups, cells_of
 from vibrafeed.core.motion.waves import TURN
@@ -173,8 +173,8 @@ def events_in_space(groups: Groups, multiples: Array) -> list[str]:
         cell = cell_of(row)
         push.set_drive(cell, row, work)
         state, hold = at_rest()
-        done = settle(cell, False, 0.0, FINE, most, state, hold, history, work)
-        last = history.tallies[done.done - done.multiple : done.done]
+        done = follow_until_repeating(cell, False, 0.0, FINE, most, state, hold, history, work)
+        last = history.tallies[done.periods - done.multiple : done.periods]
         pairs = last[:, [TALLY.impacts, TALLY.signature]].astype(int)
         found.append(" ".join(f"{impacts}:{mark}" for impacts, mark in pairs.tolist()))
     return found

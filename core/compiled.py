@@ -203,25 +203,25 @@ class _LinkedPart(_Library):
 
 class _Entry(_Library):
     def finalize(self) -> None:
-        # Link the compiled code of all functions called, directly or through others. Each refers to
-        # its environment, the Python objects that it uses, by a global variable; numba itself sets
-        # that of the outermost function only.
-        self._linking_libraries = list(_libraries_reached(self, {}))
+        # Links every part that this function reaches, each once, and optimises all of it together;
+        # then gives the machine code the Python objects that its functions need.
+        self._linking_libraries = list(_linked_by(self, {}))
         super().finalize()
         for variable in self._final_module.global_variables:
-            if variable.name.startswith("_ZN08NumbaEnv"):
+            if variable.name.startswith("_ZN08NumbaEnv"):  # numba's name of such a place
                 environment = lookup_environment(variable.name)  # type: ignore[no-untyped-call]
                 if environment is not None:
                     self._codegen.set_env(variable.name, environment)
 
 
-def _libraries_reached(library: Any, reached: dict[Any, None]) -> dict[Any, None]:
+def _linked_by(library: Any, linked: dict[Any, None]) -> dict[Any, None]:
+    # All libraries that one calls, and that parts among these call: a set, in order of discovery.
     for called in library._linking_libraries:
-        if called not in reached:
-            reached[called] = None
+        if called not in linked:
+            linked[called] = None
             if isinstance(called, _LinkedPart):
-                _libraries_reached(called, reached)
-    return reached
+                _linked_by(called, linked)
+    return linked
 
 
 class _Compiler(_NumbasCompiler):  # type: ignore[misc]

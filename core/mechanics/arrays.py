@@ -29,10 +29,11 @@ def compensated_sum(*terms: Array) -> Array:
     total: Array = terms[0]
     error: Array | float = 0.0
     for term in terms[1:]:
-        added = total + term
-        virtual = added - total
-        error = error + ((total - (added - virtual)) + (term - virtual))
-        total = added
+        new_total = total + term
+        # Knuth's two-sum: what the rounded sum lost of both, exactly.
+        absorbed = new_total - total
+        error = error + ((total - (new_total - absorbed)) + (term - absorbed))
+        total = new_total
     return total + error
 
 
@@ -51,8 +52,8 @@ def hypot(x: Array, y: Array) -> Array:
     x, y = np.abs(x), np.abs(y)
     y_is_less = x > y
     large, small = np.where(y_is_less, x, y), np.where(y_is_less, y, x)
-    share = small / np.where(large > 0, large, 1.0)
-    return large * np.sqrt(1.0 + share * share)
+    small_over_large = small / np.where(large > 0, large, 1.0)
+    return large * np.sqrt(1.0 + small_over_large * small_over_large)
 
 
 # --- Sines and cosines of angles, exact at whole multiples of 90 degrees.
@@ -75,22 +76,23 @@ def radians(degrees: Array) -> Array:
 
 def sine(angle: Array) -> Array:
     """Return sin(angle), exactly 0 at the floats that are nearest to multiples of pi."""
-    nearest, apart, on_axis = _axis(angle)
-    slope = np.rint(np.cos(nearest))
-    return np.where(on_axis & (slope != 0), 0.0 + slope * apart, np.sin(angle))
+    nearest, offset, on_axis = _nearest_quarter(angle)
+    slope = np.rint(np.cos(nearest))  # 1 or -1 at a multiple of pi, 0 halfway
+    return np.where(on_axis & (slope != 0), 0.0 + slope * offset, np.sin(angle))
 
 
 def cosine(angle: Array) -> Array:
     """Return cos(angle), exactly 0 at the floats that are nearest to odd multiples of pi/2."""
-    nearest, apart, on_axis = _axis(angle)
-    slope = np.rint(np.sin(nearest))
-    return np.where(on_axis & (slope != 0), 0.0 - slope * apart, np.cos(angle))
+    nearest, offset, on_axis = _nearest_quarter(angle)
+    slope = np.rint(np.sin(nearest))  # 1 or -1 at an odd multiple of pi/2, 0 elsewhere
+    return np.where(on_axis & (slope != 0), 0.0 - slope * offset, np.cos(angle))
 
 
-def _axis(angle: Array) -> tuple[Array, Array, Mask]:
+def _nearest_quarter(angle: Array) -> tuple[Array, Array, Mask]:
+    # The nearest multiple of 90 degrees, the rest, and True where that float stands for it.
     nearest = np.rint(angle / QUARTER) * QUARTER
-    apart = angle - nearest
-    return nearest, apart, np.rint(apart / TINY) == 0
+    offset = angle - nearest
+    return nearest, offset, np.rint(offset / TINY) == 0
 
 
 # --- Functions that are made of few steps: sums, products, quotients, roots and choices.
@@ -143,10 +145,10 @@ class Elementwise:
 
     def __call__(self, *inputs: Any) -> Any:
         """Return the function of arrays; hand it to an input that takes numpy's functions."""
-        for one in inputs:
-            reader = getattr(type(one), "__array_ufunc__", None)
-            if reader is not None and reader is not np.ndarray.__array_ufunc__:
-                return one.__array_ufunc__(self, "__call__", *inputs)
+        for value in inputs:
+            ufunc_hook = getattr(type(value), "__array_ufunc__", None)
+            if ufunc_hook is not None and ufunc_hook is not np.ndarray.__array_ufunc__:
+                return value.__array_ufunc__(self, "__call__", *inputs)
         return self.body(*inputs)
 
 
@@ -191,31 +193,35 @@ def arc_quotient(square: Array, root: Array) -> Array:
     Within 5 units in the last place.
     """
     u = np.sqrt(np.abs(square))
-    opens = square > 0  # hyperbolic
-    half, whole = 1.0 + root, 1.0 + u
-    # exp(artanh u) = whole/root, over its nearest power of 2.
-    power, scaled = binade(root), ROOT_2 * whole
-    below_it = scaled * power < root
-    above_it = scaled * power >= 2.0 * root
-    shift = np.where(above_it, 1.0, np.where(below_it, -1.0, 0.0))
-    shrunk = whole * (power * np.where(above_it, 0.5, np.where(below_it, 2.0, 1.0)))
-    first, second = u > TAN_1 * half, u > TAN_3 * half
-    eighths = np.where(second, 2.0, np.where(first, 1.0, 0.0))
-    tangent = np.where(second, 1.0, np.where(first, TAN_2, 0.0))
-    turns = np.where(opens, shift - exponent(root), eighths)
-    is_near = turns == 0
-    is_far = opens & ~is_near
-    above = np.where(is_far, shrunk - root, u - tangent * half)
-    below = np.where(is_far, shrunk + root, half + tangent * u)
-    # One quotient in place of above/below, 1/below and 1/u.
-    length = np.where(u > 0, u, 1.0)
-    inverse = 1.0 / (below * length)
-    y = above * (length * inverse)
-    w = np.where(opens, y * y, -(y * y))
+    is_hyperbolic = square > 0
+    one_plus_root, one_plus_u = 1.0 + root, 1.0 + u
+    # exp(artanh u) = (1 + u)/root, over its nearest power of 2.
+    root_binade, exp_numerator = binade(root), ROOT_2 * one_plus_u
+    falls_below = exp_numerator * root_binade < root
+    lies_above = exp_numerator * root_binade >= 2.0 * root
+    shift = np.where(lies_above, 1.0, np.where(falls_below, -1.0, 0.0))
+    scaled_exp = one_plus_u * (
+        root_binade * np.where(lies_above, 0.5, np.where(falls_below, 2.0, 1.0))
+    )
+    past_1_16, past_3_16 = u > TAN_1 * one_plus_root, u > TAN_3 * one_plus_root
+    eighths = np.where(past_3_16, 2.0, np.where(past_1_16, 1.0, 0.0))
+    tan_eighths = np.where(past_3_16, 1.0, np.where(past_1_16, TAN_2, 0.0))
+    multiple = np.where(is_hyperbolic, shift - exponent(root), eighths)
+    in_series = multiple == 0
+    reduced_hyperbolic = is_hyperbolic & ~in_series
+    numerator = np.where(reduced_hyperbolic, scaled_exp - root, u - tan_eighths * one_plus_root)
+    denominator = np.where(reduced_hyperbolic, scaled_exp + root, one_plus_root + tan_eighths * u)
+    # One quotient in place of numerator/denominator, 1/denominator and 1/u.
+    safe_u = np.where(u > 0, u, 1.0)
+    shared_inverse = 1.0 / (denominator * safe_u)
+    y = numerator * (safe_u * shared_inverse)
+    w = np.where(is_hyperbolic, y * y, -(y * y))
     series = arc_series(w)
-    large, small = (np.where(opens, *parts) for parts in zip(LN_2, EIGHTH, strict=True))
-    arc = turns * large + (turns * small + 2.0 * y * series)
-    return np.where(is_near, 2.0 * series * length, arc * below) * inverse
+    unit_high, unit_low = (
+        np.where(is_hyperbolic, *parts) for parts in zip(LN_2, EIGHTH, strict=True)
+    )
+    arc = multiple * unit_high + (multiple * unit_low + 2.0 * y * series)
+    return np.where(in_series, 2.0 * series * safe_u, arc * denominator) * shared_inverse
 
 
 # --- Functions over their argument, with the limit 1 at 0.

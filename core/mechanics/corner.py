@@ -43,10 +43,10 @@ def case(response: Array, free: Array) -> Array:
     = 0       < 0    none                              NO_SOLUTION
     ========  =====  ================================  =============
     """
-    opens = np.where(response < 0, TWO_SOLUTIONS, SEPARATION)
-    presses = np.where(response > 0, SLIDING, NO_SOLUTION)
-    touches = np.where(response == 0, TWO_SOLUTIONS, SLIDING)
-    return np.where(free > 0, opens, np.where(free < 0, presses, touches))
+    when_opening = np.where(response < 0, TWO_SOLUTIONS, SEPARATION)
+    when_pressing = np.where(response > 0, SLIDING, NO_SOLUTION)
+    when_touching = np.where(response == 0, TWO_SOLUTIONS, SLIDING)
+    return np.where(free > 0, when_opening, np.where(free < 0, when_pressing, when_touching))
 
 
 def contact_force(response: Array, free: Array) -> Array:
@@ -208,8 +208,8 @@ def holding_tangential_acceleration(
     + kappa)) [m s-2].
     """  # noqa: D205
     s, c = diagonal_direction
-    turning = half_diagonal * pitch_rate * pitch_rate
-    return c * (turning - gravity * s * (inertia_ratio / (1.0 + inertia_ratio)))
+    centripetal = half_diagonal * pitch_rate * pitch_rate
+    return c * (centripetal - gravity * s * (inertia_ratio / (1.0 + inertia_ratio)))
 
 
 def _is_held(normal: Array, tangential: Array, friction_static: Array) -> Mask:
@@ -258,9 +258,9 @@ def by_case(
     `free` is the value in separation, `held` that of a corner that does not slip, `sliding` that of
     one that slips or starts to.
     """
-    value = np.where(slip_direction == 0, held, sliding)
-    value = np.where(contact_case == SEPARATION, free, value)
-    return np.where(contact_case == NO_SOLUTION, np.nan, value)
+    in_contact = np.where(slip_direction == 0, held, sliding)
+    in_contact = np.where(contact_case == SEPARATION, free, in_contact)
+    return np.where(contact_case == NO_SOLUTION, np.nan, in_contact)
 
 
 def floor_acceleration(
@@ -296,10 +296,10 @@ def acceleration_upward(
     nearly equal numbers; -g in flight, and that of a pendulum while the corner is held.
     """
     s, c = diagonal_direction
-    turning = half_diagonal * pitch_rate * pitch_rate * s
+    centripetal = half_diagonal * pitch_rate * pitch_rate * s
     e = c - slip_direction * friction_kinetic * s
-    sliding = -ratio(turning + gravity * inertia_ratio * c * e, normal_response, np.nan)
-    held = -(turning + gravity * c * c * (inertia_ratio / (1.0 + inertia_ratio)))
+    sliding = -ratio(centripetal + gravity * inertia_ratio * c * e, normal_response, np.nan)
+    held = -(centripetal + gravity * c * c * (inertia_ratio / (1.0 + inertia_ratio)))
     return by_case(contact_case, slip_direction, -gravity, held, sliding)
 
 
@@ -326,8 +326,8 @@ def gap_normal_acceleration(*, contact_case: Array, free_normal_acceleration: Ar
     It is chi (`free_normal_acceleration`) in separation, 0 in contact, NaN where no solution
     exists.
     """
-    value = np.where(contact_case == SEPARATION, free_normal_acceleration, 0.0)
-    return np.where(contact_case == NO_SOLUTION, np.nan, value)
+    opening = np.where(contact_case == SEPARATION, free_normal_acceleration, 0.0)
+    return np.where(contact_case == NO_SOLUTION, np.nan, opening)
 
 
 def gap_tangential_acceleration(
@@ -344,9 +344,9 @@ def gap_tangential_acceleration(
     s, c = diagonal_direction
     sigma_mu = slip_direction * friction_kinetic
     e = c - sigma_mu * s
-    turning = (1.0 + inertia_ratio) * half_diagonal * pitch_rate * pitch_rate * e
+    centripetal = (1.0 + inertia_ratio) * half_diagonal * pitch_rate * pitch_rate * e
     pushing = gravity * (inertia_ratio * s * e - sigma_mu)
-    sliding = ratio(pushing - turning, normal_response, np.nan)
+    sliding = ratio(pushing - centripetal, normal_response, np.nan)
     return by_case(
         contact_case, slip_direction, free_tangential_acceleration, np.zeros(()), sliding
     )
@@ -381,8 +381,10 @@ def impact_impulse_tangential(
     `impact_impulse_normal` (theory 2.6).
     """
     _, c = diagonal_direction
-    share = (1.0 + inertia_ratio * c * c) / (1.0 + inertia_ratio)
-    return np.where(contact_case == NO_SOLUTION, -mass * gap_tangential_rate * share, 0.0)
+    slip_stop_factor = (1.0 + inertia_ratio * c * c) / (1.0 + inertia_ratio)
+    return np.where(
+        contact_case == NO_SOLUTION, -mass * gap_tangential_rate * slip_stop_factor, 0.0
+    )
 
 
 # --- limiting friction
@@ -428,5 +430,5 @@ def least_limiting_pitch(*, inertia_ratio: Array, corner_angle: Array) -> Array:
 
 
 def is_case(known: float, *, contact_case: Array) -> Mask:
-    """True where the contact is in a `known` case."""
+    """True where the contact is in the case `known`."""
     return contact_case == known

@@ -71,17 +71,19 @@ def where(condition: Mask, a: Any, b: Any) -> Any:
 def direction(a: Vector, otherwise: Vector) -> Vector:
     """Return the unit vector a/|a|; `otherwise` where a is 0."""
     length = norm(a)
-    some = length > 0
-    return where(some, scaled(a, 1 / np.where(some, length, 1.0)), otherwise)
+    is_nonzero = length > 0
+    return where(is_nonzero, scaled(a, 1 / np.where(is_nonzero, length, 1.0)), otherwise)
 
 
 def any_across(axis: Vector) -> Vector:
     """Return some unit vector at right angles to a unit `axis`."""
-    z = axis[2]
-    flat = np.abs(z) > 0.5
-    zero = np.zeros_like(z)
-    e = where(flat, (np.ones_like(z), zero, zero), (zero, zero, np.ones_like(z)))
-    return direction(across(e, axis), e)
+    axis_z = axis[2]
+    is_upright = np.abs(axis_z) > 0.5
+    zero = np.zeros_like(axis_z)
+    helper = where(
+        is_upright, (np.ones_like(axis_z), zero, zero), (zero, zero, np.ones_like(axis_z))
+    )
+    return direction(across(helper, axis), helper)
 
 
 class Cylinder(NamedTuple):
@@ -112,47 +114,51 @@ NEAR = 1e-6  # radian: of so short a step rounding may decide on which side of t
 
 
 def minima(
-    value: Callable[[Array], Array], slope_and_bend: Callable[[Array], tuple[Array, Array]]
+    value_at: Callable[[Array], Array], derivatives: Callable[[Array], tuple[Array, Array]]
 ) -> tuple[Array, Array]:
     """Return the angles of the two lowest minima of a function with the period 2 pi [rad].
 
-    `slope_and_bend` gives its first and second derivative. Samples find the minima, Newton's method
+    `derivatives` gives its first and second one. Samples find the minima, Newton's method
     refines them. Where there is one minimum only, both angles are equal.
     """
     step = 2 * np.pi / SAMPLES
-    values = [value(t) for t in step * np.arange(SAMPLES)]
-    least = [np.full(np.shape(values[0]), np.inf) for _ in range(2)]
+    values = [value_at(t) for t in step * np.arange(SAMPLES)]
+    lowest = [np.full(np.shape(values[0]), np.inf) for _ in range(2)]
     angles = [np.zeros(np.shape(values[0])) for _ in range(2)]
-    for number, here in enumerate(values):
-        dip = (here <= values[number - 1]) & (here < values[(number + 1) % SAMPLES])
-        best, next_best = dip & (here < least[0]), dip & (here < least[1])
-        angles[1] = np.where(best, angles[0], np.where(next_best, number * step, angles[1]))
-        least[1] = np.where(best, least[0], np.where(next_best, here, least[1]))
-        angles[0] = np.where(best, number * step, angles[0])
-        least[0] = np.where(best, here, least[0])
-    angles[1] = np.where(np.isfinite(least[1]), angles[1], angles[0])
-    return _refined(angles[0], step, slope_and_bend), _refined(angles[1], step, slope_and_bend)
+    for index, value in enumerate(values):
+        is_minimum = (value <= values[index - 1]) & (value < values[(index + 1) % SAMPLES])
+        is_lowest, is_second = is_minimum & (value < lowest[0]), is_minimum & (value < lowest[1])
+        angles[1] = np.where(is_lowest, angles[0], np.where(is_second, index * step, angles[1]))
+        lowest[1] = np.where(is_lowest, lowest[0], np.where(is_second, value, lowest[1]))
+        angles[0] = np.where(is_lowest, index * step, angles[0])
+        lowest[0] = np.where(is_lowest, value, lowest[0])
+    angles[1] = np.where(np.isfinite(lowest[1]), angles[1], angles[0])
+    return _refined_minimum(angles[0], step, derivatives), _refined_minimum(
+        angles[1], step, derivatives
+    )
 
 
-def _refined(
-    t: Array, reach: float, slope_and_bend: Callable[[Array], tuple[Array, Array]]
+def _refined_minimum(
+    angle: Array, half_bracket: float, derivatives: Callable[[Array], tuple[Array, Array]]
 ) -> Array:
-    low, high = t - reach, t + reach
-    done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
+    # The zero of the first derivative next to `angle`: Newton's steps within a bracket, else
+    # halving.
+    low, high = angle - half_bracket, angle + half_bracket
+    converged: Mask = np.zeros(np.shape(angle), dtype=np.bool_)
     for _ in range(MAX_STEPS):
-        slope, bend = slope_and_bend(t)
-        low, high = np.where(slope < 0, t, low), np.where(slope > 0, t, high)
-        newton = t - slope / np.where(bend > 0, bend, 1.0)
-        inside = (newton > low) & (newton < high)
-        inside = (bend > 0) & (inside | (np.abs(newton - t) <= NEAR))
-        ahead = np.where(inside, newton, (low + high) / 2)
-        # What is done stays: a cell must not depend on those that are computed beside it.
-        ahead = np.where(done | (slope == 0), t, ahead)
-        done = done | (np.abs(ahead - t) <= 1e-15 * (1 + np.abs(t)))
-        t = ahead
-        if np.all(done):
+        slope, curvature = derivatives(angle)
+        low, high = np.where(slope < 0, angle, low), np.where(slope > 0, angle, high)
+        newton = angle - slope / np.where(curvature > 0, curvature, 1.0)
+        accepts_newton = (newton > low) & (newton < high)
+        accepts_newton = (curvature > 0) & (accepts_newton | (np.abs(newton - angle) <= NEAR))
+        next_angle = np.where(accepts_newton, newton, (low + high) / 2)
+        # A cell that has converged stays: it must not depend on those that are computed beside it.
+        next_angle = np.where(converged | (slope == 0), angle, next_angle)
+        converged = converged | (np.abs(next_angle - angle) <= 1e-15 * (1 + np.abs(angle)))
+        angle = next_angle
+        if np.all(converged):
             break
-    return t
+    return angle
 
 
 class Rim(NamedTuple):
@@ -171,30 +177,34 @@ class Rim(NamedTuple):
         return plus(scaled(self.second, np.cos(angle)), self.first, -np.sin(angle))
 
 
-def _way(point: Vector, base: Cylinder) -> Vector:
-    height, off = dot(point, base.axis), across(point, base.axis)
-    above = np.maximum(0.0, np.abs(height) - base.half) * np.where(height < 0, -1.0, 1.0)
-    return plus(scaled(off, _free(norm(off), base.radius)), base.axis, above)
+def _offset_from_body(point: Vector, base: Cylinder) -> Vector:
+    height, radial = dot(point, base.axis), across(point, base.axis)
+    beyond_face = np.maximum(0.0, np.abs(height) - base.half) * np.where(height < 0, -1.0, 1.0)
+    return plus(
+        scaled(radial, _outside_fraction(norm(radial), base.radius)), base.axis, beyond_face
+    )
 
 
-def _free(distance: Array, radius: Array) -> Array:
+def _outside_fraction(distance: Array, radius: Array) -> Array:
     outside = distance > radius
     return np.where(outside, (distance - radius) / np.where(outside, distance, 1.0), 0.0)
 
 
-def _slope_and_bend(rim: Rim, base: Cylinder, angle: Array) -> tuple[Array, Array]:
+def _half_square_derivatives(rim: Rim, base: Cylinder, angle: Array) -> tuple[Array, Array]:
     # First and second derivative of d^2/2 by the angle, d the distance of the rim's point.
     point, along = rim.at(angle), rim.along(angle)
-    way, off = _way(point, base), across(point, base.axis)
-    climb, beside = dot(along, base.axis), across(along, base.axis)
+    offset, radial = _offset_from_body(point, base), across(point, base.axis)
+    axial_rate, radial_rate = dot(along, base.axis), across(along, base.axis)
     # What moves away from the axis counts in full, what goes round it by the share outside.
-    free = _free(norm(off), base.radius)
-    outward = dot(beside, direction(off, base.axis))
-    bend = np.where(np.abs(dot(point, base.axis)) > base.half, climb * climb, 0.0)
-    bend = (
-        bend + np.where(free > 0, outward * outward * (1 - free), 0.0) + free * dot(beside, beside)
+    fraction = _outside_fraction(norm(radial), base.radius)
+    outward = dot(radial_rate, direction(radial, base.axis))
+    curvature = np.where(np.abs(dot(point, base.axis)) > base.half, axial_rate * axial_rate, 0.0)
+    curvature = (
+        curvature
+        + np.where(fraction > 0, outward * outward * (1 - fraction), 0.0)
+        + fraction * dot(radial_rate, radial_rate)
     )
-    return dot(way, along), bend - dot(way, minus(point, rim.middle))
+    return dot(offset, along), curvature - dot(offset, minus(point, rim.middle))
 
 
 class Nearest(NamedTuple):
@@ -224,26 +234,26 @@ def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
     `size` is the sum of both half diagonals [m], by which the tolerance scales. `proven` is False
     where the bodies overlap, or where no rim of `body` holds its nearest point.
     """
-    first = any_across(body.axis)
-    radii = scaled(first, body.radius), scaled(cross(body.axis, first), body.radius)
+    radial = any_across(body.axis)
+    radii = scaled(radial, body.radius), scaled(cross(body.axis, radial), body.radius)
     candidates: list[Nearest] = []
     for sign in (-1.0, 1.0):
         middle = plus(minus(body.centre, base.centre), body.axis, sign * body.half)
         rim = Rim(middle, *radii)
 
         def squared(angle: Array, rim: Rim = rim) -> Array:
-            way = _way(rim.at(angle), base)
-            return dot(way, way)
+            offset = _offset_from_body(rim.at(angle), base)
+            return dot(offset, offset)
 
         def derivatives(angle: Array, rim: Rim = rim) -> tuple[Array, Array]:
-            return _slope_and_bend(rim, base, angle)
+            return _half_square_derivatives(rim, base, angle)
 
         for angle in minima(squared, derivatives):
-            way = _way(rim.at(angle), base)
-            gap = norm(way)
-            n = direction(way, body.axis)
+            offset = _offset_from_body(rim.at(angle), base)
+            gap = norm(offset)
+            n = direction(offset, body.axis)
             proven = (gap > 0) & (np.abs(separation(body, base, n) - gap) <= ALIKE * size)
-            point = plus(base.centre, minus(rim.at(angle), way))
+            point = plus(base.centre, minus(rim.at(angle), offset))
             candidates.append(Nearest(gap, n, point, proven))
     best = candidates[0]
     for candidate in candidates[1:]:
@@ -303,131 +313,149 @@ class _Form(NamedTuple):
     proven: Mask
 
 
-def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Form:
-    u, apart = base.axis, minus(other.centre, base.centre)
-    n = scaled(u, np.where(dot(u, apart) < 0, -1.0, 1.0))
-    w = dot(n, other.axis)
-    leaning = across(n, other.axis)
-    down = direction(leaning, any_across(other.axis))
+def _on_face(base_number: float, base: Cylinder, other: Cylinder, size: Array) -> _Form:
+    # The lowest point or line of `other` on the face of `base` that is turned to it. Proven if it
+    # lies over the disc. The form is rim, side or face on face, by the other axis.
+    face_axis, between = base.axis, minus(other.centre, base.centre)
+    n = scaled(face_axis, np.where(dot(face_axis, between) < 0, -1.0, 1.0))
+    axial_part = dot(n, other.axis)
+    tilted = across(n, other.axis)
+    radial = direction(tilted, any_across(other.axis))
     gap = separation(other, base, n)
-    flat = 2 * other.radius * norm(leaning) <= ALIKE * size
-    line = ~flat & (2 * other.half * np.abs(w) <= ALIKE * size)
-    bottom = plus(other.centre, down, -other.radius)
-    rim = plus(bottom, other.axis, np.where(w > 0, -other.half, other.half))
-    off = norm(across(minus(rim, base.centre), u))
+    face_on_face = 2 * other.radius * norm(tilted) <= ALIKE * size
+    side_on_face = ~face_on_face & (2 * other.half * np.abs(axial_part) <= ALIKE * size)
+    bottom = plus(other.centre, radial, -other.radius)
+    rim = plus(bottom, other.axis, np.where(axial_part > 0, -other.half, other.half))
+    rim_distance = norm(across(minus(rim, base.centre), face_axis))
     # The line of a side that lies on the face, as far as it crosses the disc.
-    along = across(other.axis, u)
-    along = direction(along, any_across(u))
-    foot = across(minus(bottom, base.centre), u)
-    ahead = dot(foot, along)
-    beside = norm(plus(foot, along, -ahead))
-    chord = np.sqrt(np.maximum(0.0, (base.radius - beside) * (base.radius + beside)))
-    low = np.maximum(-ahead - chord, -other.half)
-    high = np.minimum(-ahead + chord, other.half)
+    line = across(other.axis, face_axis)
+    line = direction(line, any_across(face_axis))
+    bottom_in_face = across(minus(bottom, base.centre), face_axis)
+    bottom_along = dot(bottom_in_face, line)
+    line_distance = norm(plus(bottom_in_face, line, -bottom_along))
+    half_chord = np.sqrt(
+        np.maximum(0.0, (base.radius - line_distance) * (base.radius + line_distance))
+    )
+    low = np.maximum(-bottom_along - half_chord, -other.half)
+    high = np.minimum(-bottom_along + half_chord, other.half)
     # Faces: the discs meet if their centres are near enough.
-    face_centre = across(apart, u)
+    face_centre = across(between, face_axis)
     overlap = np.where(
-        flat,
+        face_on_face,
         base.radius + other.radius - norm(face_centre),
-        np.where(line, np.where(beside <= base.radius, high - low, -size), base.radius - off),
+        np.where(
+            side_on_face,
+            np.where(line_distance <= base.radius, high - low, -size),
+            base.radius - rim_distance,
+        ),
     )
     return _Form(
         gap,
-        np.where(flat, FACE_ON_FACE, np.where(line, SIDE_ON_FACE, RIM_ON_FACE)),
-        np.where(flat, 0.0, number),
+        np.where(face_on_face, FACE_ON_FACE, np.where(side_on_face, SIDE_ON_FACE, RIM_ON_FACE)),
+        np.where(face_on_face, 0.0, base_number),
         n,
-        where(line, plus(bottom, other.axis, low), rim),
-        where(line, plus(bottom, other.axis, high), rim),
-        line,
-        flat | (np.abs(overlap) <= ALIKE * size),
+        where(side_on_face, plus(bottom, other.axis, low), rim),
+        where(side_on_face, plus(bottom, other.axis, high), rim),
+        side_on_face,
+        face_on_face | (np.abs(overlap) <= ALIKE * size),
         # Deeper than the base is thick, the point need not be in it.
         (overlap >= -ALIKE * size) & (gap > -2 * base.half),
     )
 
 
-def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> list[_Form]:
+def _on_side(base_number: float, base: Cylinder, other: Cylinder, size: Array) -> list[_Form]:
+    # Rim points of `other` nearest to the axis of `base`: up to two on each rim.
     forms = []
     e_1 = any_across(other.axis)
     e_2 = cross(other.axis, e_1)
     a_1 = scaled(across(e_1, base.axis), other.radius)
     a_2 = scaled(across(e_2, base.axis), other.radius)
     # Half the squared distance is F = p.a1 c + p.a2 s + (a1.a1 c^2 + 2 a1.a2 c s + a2.a2 s^2)/2.
-    square, mixed = (dot(a_1, a_1) - dot(a_2, a_2)) / 2, dot(a_1, a_2)
+    cosine_part, sine_part = (dot(a_1, a_1) - dot(a_2, a_2)) / 2, dot(a_1, a_2)
     for sign in (-1.0, 1.0):
         middle = plus(minus(other.centre, base.centre), other.axis, sign * other.half)
         p = across(middle, base.axis)
         p_1, p_2 = dot(p, a_1), dot(p, a_2)
 
         def value(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> Array:
-            bending = square * np.cos(2 * t) + mixed * np.sin(2 * t)
+            bending = cosine_part * np.cos(2 * t) + sine_part * np.sin(2 * t)
             return p_1 * np.cos(t) + p_2 * np.sin(t) + bending / 2
 
         def derivatives(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> tuple[Array, Array]:
             c, s = np.cos(t), np.sin(t)
             c_2, s_2 = np.cos(2 * t), np.sin(2 * t)
-            slope = -p_1 * s + p_2 * c - square * s_2 + mixed * c_2
-            return slope, -p_1 * c - p_2 * s - 2 * (square * c_2 + mixed * s_2)
+            slope = -p_1 * s + p_2 * c - cosine_part * s_2 + sine_part * c_2
+            return slope, -p_1 * c - p_2 * s - 2 * (cosine_part * c_2 + sine_part * s_2)
 
         for angle in minima(value, derivatives):
             c, s = np.cos(angle), np.sin(angle)
             rim = plus(plus(middle, e_1, other.radius * c), e_2, other.radius * s)
-            off = across(rim, base.axis)
-            distance = norm(off)
-            n = direction(off, any_across(base.axis))
+            radial = across(rim, base.axis)
+            distance = norm(radial)
+            n = direction(radial, any_across(base.axis))
             n = direction(across(n, base.axis), n)
             gap = distance - base.radius
             overlap = base.half - np.abs(dot(rim, base.axis))
             point = plus(base.centre, rim)
             # The rim point has to be the one that comes first along n.
-            first = np.abs(separation(other, base, n) - gap) <= ALIKE * size
+            is_nearest = np.abs(separation(other, base, n) - gap) <= ALIKE * size
             forms.append(
                 _Form(
-                    gap, np.asarray(float(RIM_ON_SIDE)), np.asarray(number), n, point, point,
+                    gap, np.asarray(float(RIM_ON_SIDE)), np.asarray(base_number), n, point, point,
                     np.zeros(np.shape(gap), dtype=np.bool_), np.abs(overlap) <= ALIKE * size,
-                    first & (overlap >= -ALIKE * size),
+                    is_nearest & (overlap >= -ALIKE * size),
                 )
             )  # fmt: skip
     return forms
 
 
 def _sides(body_1: Cylinder, body_2: Cylinder, size: Array) -> _Form:
-    apart = minus(body_1.centre, body_2.centre)
-    k = dot(body_1.axis, body_2.axis)
-    turn = cross(body_1.axis, body_2.axis)
-    sine = norm(turn)
-    line = sine * (body_1.half + body_2.half) <= ALIKE * size
-    off = across(apart, body_2.axis)
-    n = where(line, off, scaled(turn, np.where(dot(turn, apart) < 0, -1.0, 1.0)))
+    # The nearest points of both axes, at the distances foot_1 and foot_2 from the centres: foot_1 =
+    # (k d_2 - d_1)/(1 - k^2), k the cosine between the axes; parallel sides touch along a line.
+    between = minus(body_1.centre, body_2.centre)
+    axes_cosine = dot(body_1.axis, body_2.axis)
+    common_normal = cross(body_1.axis, body_2.axis)
+    sine = norm(common_normal)
+    is_parallel = sine * (body_1.half + body_2.half) <= ALIKE * size
+    radial = across(between, body_2.axis)
+    n = where(
+        is_parallel,
+        radial,
+        scaled(common_normal, np.where(dot(common_normal, between) < 0, -1.0, 1.0)),
+    )
     n = direction(n, any_across(body_2.axis))
-    gap = dot(n, apart) - body_1.radius - body_2.radius
-    square = np.where(line, 1.0, sine * sine)
-    d_1, d_2 = dot(apart, body_1.axis), dot(apart, body_2.axis)
-    s, t = (k * d_2 - d_1) / square, (d_2 - k * d_1) / square
+    gap = dot(n, between) - body_1.radius - body_2.radius
+    sine_squared = np.where(is_parallel, 1.0, sine * sine)
+    d_1, d_2 = dot(between, body_1.axis), dot(between, body_2.axis)
+    foot_1, foot_2 = (
+        (axes_cosine * d_2 - d_1) / sine_squared,
+        (d_2 - axes_cosine * d_1) / sine_squared,
+    )
     low, high = (
         np.maximum(d_2 - body_1.half, -body_2.half),
         np.minimum(d_2 + body_1.half, body_2.half),
     )
-    room_1, room_2 = body_1.half - np.abs(s), body_2.half - np.abs(t)
-    overlap = np.where(line, high - low, np.minimum(room_1, room_2))
+    margin_1, margin_2 = body_1.half - np.abs(foot_1), body_2.half - np.abs(foot_2)
+    overlap = np.where(is_parallel, high - low, np.minimum(margin_1, margin_2))
     # One end on a side has the normal of that side; two ends have none.
-    end = np.abs(np.where(line, high - low, np.maximum(room_1, room_2)))
+    end_margin = np.abs(np.where(is_parallel, high - low, np.maximum(margin_1, margin_2)))
     surface = plus(body_2.centre, n, body_2.radius + gap / 2)
     return _Form(
         gap,
         np.asarray(float(SIDE_ON_SIDE)),
         np.asarray(0.0),
         n,
-        plus(surface, body_2.axis, np.where(line, low, t)),
-        plus(surface, body_2.axis, np.where(line, high, t)),
-        line,
-        (end <= ALIKE * size) & (overlap >= -ALIKE * size),
+        plus(surface, body_2.axis, np.where(is_parallel, low, foot_2)),
+        plus(surface, body_2.axis, np.where(is_parallel, high, foot_2)),
+        is_parallel,
+        (end_margin <= ALIKE * size) & (overlap >= -ALIKE * size),
         overlap >= -ALIKE * size,
     )
 
 
-def _extent(form: _Form) -> Array:
-    wide = form.line | (form.form == FACE_ON_FACE)
-    return np.where(wide, 2.0, 0.0) + np.where(form.several, 1.0, 0.0)
+def _contact_rank(form: _Form) -> Array:
+    is_extended = form.line | (form.form == FACE_ON_FACE)
+    return np.where(is_extended, 2.0, 0.0) + np.where(form.several, 1.0, 0.0)
 
 
 def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderContact:
@@ -441,29 +469,29 @@ def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderC
     """
     body_1, body_2 = cylinder_1, cylinder_2
     size = np.hypot(body_1.radius, body_1.half) + np.hypot(body_2.radius, body_2.half)
-    to_first = [
+    forms = [
         _on_face(2.0, body_2, body_1, size),
         *_on_side(2.0, body_2, body_1, size),
         _sides(body_1, body_2, size),
     ]
-    to_second = [_on_face(1.0, body_1, body_2, size), *_on_side(1.0, body_1, body_2, size)]
-    to_first += [form._replace(normal=scaled(form.normal, -1.0)) for form in to_second]
-    best = to_first[0]
+    forms_of_1 = [_on_face(1.0, body_1, body_2, size), *_on_side(1.0, body_1, body_2, size)]
+    forms += [form._replace(normal=scaled(form.normal, -1.0)) for form in forms_of_1]
+    best = forms[0]
     bound = separation(body_1, body_2, best.normal)
-    for form in to_first[1:]:
+    for form in forms[1:]:
         bound = np.maximum(bound, separation(body_1, body_2, form.normal))
         # At the ends of a line or a face, points touch as well: the line or face comes first.
-        ahead, alike = form.gap > best.gap, np.abs(form.gap - best.gap) <= ALIKE * size
-        ahead = np.where(alike, _extent(form) > _extent(best), ahead)
-        better = (form.proven & ~best.proven) | ((form.proven == best.proven) & ahead)
+        is_larger, is_equal = form.gap > best.gap, np.abs(form.gap - best.gap) <= ALIKE * size
+        is_larger = np.where(is_equal, _contact_rank(form) > _contact_rank(best), is_larger)
+        better = (form.proven & ~best.proven) | ((form.proven == best.proven) & is_larger)
         best = _Form(*where(better, form, best))
     gap, normal = np.where(best.proven, best.gap, bound), best.normal
     first, second = best.first, best.second
     if not np.all(best.proven):
         rims = nearest_on_rims(body_1, body_2, size)
-        use = rims.proven & ~best.proven
-        gap, normal = np.where(use, rims.gap, gap), where(use, rims.normal, normal)
-        first, second = (where(use, rims.point, point) for point in (first, second))
+        use_rims = rims.proven & ~best.proven
+        gap, normal = np.where(use_rims, rims.gap, gap), where(use_rims, rims.normal, normal)
+        first, second = (where(use_rims, rims.point, point) for point in (first, second))
     return CylinderContact(
         gap=gap,
         size=size,

@@ -111,36 +111,42 @@ def spatial_motion(
     )
 
 
-def _at(point: Vector, body_1: Cylinder, body_2: Cylinder, motion: SpatialMotion) -> Vector:
-    of_1 = plus(motion.velocity_1, cross(motion.spin_1, minus(point, body_1.centre)))
-    of_2 = plus(motion.velocity_2, cross(motion.spin_2, minus(point, body_2.centre)))
-    return minus(of_1, of_2)
+def _relative_velocity_at(
+    point: Vector, body_1: Cylinder, body_2: Cylinder, motion: SpatialMotion
+) -> Vector:
+    velocity_1 = plus(motion.velocity_1, cross(motion.spin_1, minus(point, body_1.centre)))
+    velocity_2 = plus(motion.velocity_2, cross(motion.spin_2, minus(point, body_2.centre)))
+    return minus(velocity_1, velocity_2)
 
 
-def _turned(moment: Vector, body: Cylinder, axial: Array, transverse: Array) -> Vector:
+def _inverse_inertia_times(
+    moment: Vector, body: Cylinder, axial: Array, transverse: Array
+) -> Vector:
     along = dot(moment, body.axis) * (1 / axial - 1 / transverse)
     return plus(scaled(moment, 1 / transverse), body.axis, along)
 
 
 def _delassus(
-    at: Vector, e: Vector, other_at: Vector, other_e: Vector, body_1: Cylinder, body_2: Cylinder,
-    masses: CylinderMasses,
+    point: Vector, direction: Vector, other_point: Vector, other_direction: Vector,
+    body_1: Cylinder, body_2: Cylinder, masses: CylinderMasses,
 ) -> Array:  # fmt: skip
-    total = (1 / masses.mass_1 + 1 / masses.mass_2) * dot(e, other_e)
+    # The velocity along `direction` at `point` by a unit impulse along `other_direction` at
+    # `other_point`: e.e' (1/m1 + 1/m2) + sum (rho x e).J^-1 (rho' x e').
+    total = (1 / masses.mass_1 + 1 / masses.mass_2) * dot(direction, other_direction)
     for body, axial, transverse in (
         (body_1, masses.axial_1, masses.across_1),
         (body_2, masses.axial_2, masses.across_2),
     ):
-        arm = cross(minus(at, body.centre), e)
-        other = cross(minus(other_at, body.centre), other_e)
-        total = total + dot(arm, _turned(other, body, axial, transverse))
+        arm = cross(minus(point, body.centre), direction)
+        other_arm = cross(minus(other_point, body.centre), other_direction)
+        total = total + dot(arm, _inverse_inertia_times(other_arm, body, axial, transverse))
     return total
 
 
-def _frame(contact: CylinderContact, share: Array, unknown: Mask) -> ImpactFrame:
+def _frame(contact: CylinderContact, line_fraction: Array, unknown: Mask) -> ImpactFrame:
     n = contact.normal
     tangent = any_across(n)
-    point = plus(contact.first, minus(contact.second, contact.first), share)
+    point = plus(contact.first, minus(contact.second, contact.first), line_fraction)
     return ImpactFrame(point, n, tangent, cross(n, tangent), contact.line & unknown)
 
 
@@ -153,10 +159,10 @@ def frame_without_friction(
     Where the bodies touch along a line, the impulses at both its ends are solved together, and the
     point is where their resultant acts.
     """
-    at, body_1, body_2, masses = cylinder_contact, cylinder_1, cylinder_2, cylinder_masses
-    n, first, second = at.normal, at.first, at.second
-    u_1 = dot(n, _at(first, body_1, body_2, spatial_motion))
-    u_2 = dot(n, _at(second, body_1, body_2, spatial_motion))
+    contact, body_1, body_2, masses = cylinder_contact, cylinder_1, cylinder_2, cylinder_masses
+    n, first, second = contact.normal, contact.first, contact.second
+    u_1 = dot(n, _relative_velocity_at(first, body_1, body_2, spatial_motion))
+    u_2 = dot(n, _relative_velocity_at(second, body_1, body_2, spatial_motion))
     action = impact.on_edge(
         G_11=_delassus(first, n, first, n, body_1, body_2, masses),
         G_12=_delassus(first, n, second, n, body_1, body_2, masses),
@@ -165,7 +171,7 @@ def frame_without_friction(
         u_2=u_2,
         restitution=restitution,
     )
-    return _frame(at, *action)
+    return _frame(contact, *action)
 
 
 def frame_with_friction(
@@ -178,10 +184,10 @@ def frame_with_friction(
     approach, no point of the line does; else the frame is `unknown`, since an impact with friction
     along a line is not solved (regime `simultaneous`).
     """
-    at, one, two = cylinder_contact, cylinder_1, cylinder_2
-    u_1 = dot(at.normal, _at(at.first, one, two, spatial_motion))
-    u_2 = dot(at.normal, _at(at.second, one, two, spatial_motion))
-    return _frame(at, np.where(u_2 < u_1, 1.0, 0.0), np.minimum(u_1, u_2) < 0)
+    contact, body_1, body_2 = cylinder_contact, cylinder_1, cylinder_2
+    u_1 = dot(contact.normal, _relative_velocity_at(contact.first, body_1, body_2, spatial_motion))
+    u_2 = dot(contact.normal, _relative_velocity_at(contact.second, body_1, body_2, spatial_motion))
+    return _frame(contact, np.where(u_2 < u_1, 1.0, 0.0), np.minimum(u_1, u_2) < 0)
 
 
 def spatial_delassus(
@@ -213,8 +219,11 @@ def spatial_approach(
 
     Its normal component is negative where the bodies approach.
     """
-    at, u = contact_frame, _at(contact_frame.point, cylinder_1, cylinder_2, spatial_motion)
-    return Approach(dot(at.normal, u), (dot(at.tangent_1, u), dot(at.tangent_2, u)))
+    frame, u = (
+        contact_frame,
+        _relative_velocity_at(contact_frame.point, cylinder_1, cylinder_2, spatial_motion),
+    )
+    return Approach(dot(frame.normal, u), (dot(frame.tangent_1, u), dot(frame.tangent_2, u)))
 
 
 # --- where there is an impact
@@ -227,8 +236,8 @@ def is_apart(*, cylinder_contact: CylinderContact, contact_tolerance: Array) -> 
 
 def overlaps(*, cylinder_contact: CylinderContact, contact_tolerance: Array) -> Mask:
     """True where a form of contact is proven and overlaps by more than the tolerance."""
-    at = cylinder_contact
-    return (at.form > 0) & (at.gap < -contact_tolerance * at.size)
+    contact = cylinder_contact
+    return (contact.form > 0) & (contact.gap < -contact_tolerance * contact.size)
 
 
 def lacks_single_point(*, cylinder_contact: CylinderContact) -> Mask:
@@ -252,16 +261,18 @@ def ends_in_stick(*, spatial_impulse: SpatialImpulse) -> Mask:
 
 
 def _only_at_one_contact(
-    impulse: SpatialImpulse, at: CylinderContact, tolerance: Array, frame: ImpactFrame
+    impulse: SpatialImpulse, contact: CylinderContact, tolerance: Array, frame: ImpactFrame
 ) -> SpatialImpulse:
-    nothing = is_apart(cylinder_contact=at, contact_tolerance=tolerance)
-    unknown = overlaps(cylinder_contact=at, contact_tolerance=tolerance)
-    unknown = unknown | ((at.several | frame.unknown) & ~nothing)
+    # 0 where the bodies are apart, NaN where the contact is no single point or has no single
+    # impulse.
+    are_apart = is_apart(cylinder_contact=contact, contact_tolerance=tolerance)
+    unknown = overlaps(cylinder_contact=contact, contact_tolerance=tolerance)
+    unknown = unknown | ((contact.several | frame.unknown) & ~are_apart)
     return SpatialImpulse(
-        only_in_impact(impulse.normal, nothing, unknown),
+        only_in_impact(impulse.normal, are_apart, unknown),
         (
-            only_in_impact(impulse.tangential[0], nothing, unknown),
-            only_in_impact(impulse.tangential[1], nothing, unknown),
+            only_in_impact(impulse.tangential[0], are_apart, unknown),
+            only_in_impact(impulse.tangential[1], are_apart, unknown),
         ),
         impulse.sticks,
     )
@@ -305,11 +316,11 @@ def impulse_with_friction(
 # --- after the impact
 
 
-def in_space(impulse: SpatialImpulse, at: ImpactFrame) -> Vector:
+def in_space(impulse: SpatialImpulse, frame: ImpactFrame) -> Vector:
     """Return the impulse on body 1 as a vector along the axes of space [N s]."""
     L_1, L_2 = impulse.tangential
-    normal = scaled(at.normal, impulse.normal)
-    return plus(plus(normal, at.tangent_1, L_1), at.tangent_2, L_2)
+    normal = scaled(frame.normal, impulse.normal)
+    return plus(plus(normal, frame.tangent_1, L_1), frame.tangent_2, L_2)
 
 
 def spatial_motion_after(
@@ -320,23 +331,28 @@ def spatial_motion_after(
 
     v + L/m and w + J^-1 (rho x L) for body 1, with a minus for body 2; L is the impulse on body 1.
     """
-    before, masses, p = spatial_motion, cylinder_masses, contact_frame.point
+    before, masses, contact_point = spatial_motion, cylinder_masses, contact_frame.point
     L = in_space(spatial_impulse, contact_frame)
-    moment_1 = cross(minus(p, cylinder_1.centre), L)
-    moment_2 = cross(minus(p, cylinder_2.centre), L)
+    moment_1 = cross(minus(contact_point, cylinder_1.centre), L)
+    moment_2 = cross(minus(contact_point, cylinder_2.centre), L)
     return SpatialMotion(
         plus(before.velocity_1, L, 1 / masses.mass_1),
-        plus(before.spin_1, _turned(moment_1, cylinder_1, masses.axial_1, masses.across_1)),
+        plus(
+            before.spin_1,
+            _inverse_inertia_times(moment_1, cylinder_1, masses.axial_1, masses.across_1),
+        ),
         plus(before.velocity_2, L, -1 / masses.mass_2),
-        plus(before.spin_2, _turned(moment_2, cylinder_2, masses.axial_2, masses.across_2), -1.0),
+        plus(
+            before.spin_2,
+            _inverse_inertia_times(moment_2, cylinder_2, masses.axial_2, masses.across_2),
+            -1.0,
+        ),
     )
 
 
-def inertial(vector: Vector, body: Cylinder, axial: Array, transverse: Array) -> Vector:
+def inertial(spin: Vector, body: Cylinder, axial: Array, transverse: Array) -> Vector:
     """Return the angular momentum J w of a cylinder that turns with w [kg m2 s-1]."""
-    return plus(
-        scaled(vector, transverse), body.axis, dot(vector, body.axis) * (axial - transverse)
-    )
+    return plus(scaled(spin, transverse), body.axis, dot(spin, body.axis) * (axial - transverse))
 
 
 def impulse_friction(*, spatial_impulse: SpatialImpulse) -> Array:
@@ -381,13 +397,13 @@ def energy_before(
 ) -> Array:
     """Return the kinetic energy of both cylinders before the impact [J]."""
     motion, masses = spatial_motion, cylinder_masses
-    turning_1 = inertial(motion.spin_1, cylinder_1, masses.axial_1, masses.across_1)
-    turning_2 = inertial(motion.spin_2, cylinder_2, masses.axial_2, masses.across_2)
+    angular_momentum_1 = inertial(motion.spin_1, cylinder_1, masses.axial_1, masses.across_1)
+    angular_momentum_2 = inertial(motion.spin_2, cylinder_2, masses.axial_2, masses.across_2)
     return (
         masses.mass_1 * dot(motion.velocity_1, motion.velocity_1)
-        + dot(motion.spin_1, turning_1)
+        + dot(motion.spin_1, angular_momentum_1)
         + masses.mass_2 * dot(motion.velocity_2, motion.velocity_2)
-        + dot(motion.spin_2, turning_2)
+        + dot(motion.spin_2, angular_momentum_2)
     ) / 2
 
 
@@ -405,9 +421,9 @@ def energy_lost(
     L is the impulse on body 1, u and u' the velocity of body 1 relative to body 2 at the contact
     before and after.
     """
-    at, L = contact_frame, spatial_impulse
-    before = spatial_approach(at, cylinder_1, cylinder_2, spatial_motion)
-    after = spatial_approach(at, cylinder_1, cylinder_2, spatial_motion_after)
+    frame, L = contact_frame, spatial_impulse
+    before = spatial_approach(frame, cylinder_1, cylinder_2, spatial_motion)
+    after = spatial_approach(frame, cylinder_1, cylinder_2, spatial_motion_after)
     work = L.normal * (before.normal + after.normal)
     for impulse, u, u_after in zip(L.tangential, before.tangential, after.tangential, strict=True):
         work = work + impulse * (u + u_after)
@@ -454,5 +470,5 @@ def angular_momentum_residual(
     own_2 = inertial(change_2, cylinder_2, masses.axial_2, masses.across_2)
     orbit_1 = cross(cylinder_1.centre, minus(after.velocity_1, before.velocity_1))
     orbit_2 = cross(cylinder_2.centre, minus(after.velocity_2, before.velocity_2))
-    of_1, of_2 = plus(own_1, orbit_1, masses.mass_1), plus(own_2, orbit_2, masses.mass_2)
-    return plus(of_1, of_2)[axis]
+    total_1, total_2 = plus(own_1, orbit_1, masses.mass_1), plus(own_2, orbit_2, masses.mass_2)
+    return plus(total_1, total_2)[axis]

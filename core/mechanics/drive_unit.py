@@ -54,8 +54,10 @@ def leaf_frequency(
 
     f = x^2/(2 pi) (t/L^2) sqrt(E/(12 rho)), x = 4.7300407 the first root of cos(x) cosh(x) = 1.
     """
-    speed = np.sqrt(elastic_modulus / (12 * spring_density))
-    return FIRST_MODE / (2 * np.pi) * (spring_thickness / spring_length) * (speed / spring_length)
+    wave_speed = np.sqrt(elastic_modulus / (12 * spring_density))
+    return (
+        FIRST_MODE / (2 * np.pi) * (spring_thickness / spring_length) * (wave_speed / spring_length)
+    )
 
 
 def leaf_mass(
@@ -105,8 +107,8 @@ def voltage_force(
     1 N gives at the frequency of the measurement [m N-1]. n is 2 for a magnet whose flux is
     proportional to its voltage.
     """
-    growth = np.exp(force_exponent * np.log(drive_voltage / measured_voltage))
-    return measured_amplitude / measured_response * growth
+    voltage_ratio_power = np.exp(force_exponent * np.log(drive_voltage / measured_voltage))
+    return measured_amplitude / measured_response * voltage_ratio_power
 
 
 def reduced_mass(*, moving_mass: Array, base_mass: Array) -> Array:
@@ -175,11 +177,14 @@ def second_over_first(
     force at w and 2w, G_1 and G_2 [m N-1]: (sine, cosine) = r (-sin psi, cos psi), r e^(i psi) = h
     G_2 conj(G_1)^2/|G_1|^3.
     """
-    size = hypot(*first)
-    cos, sin = first[0] / size, first[1] / size
-    twice_cos, twice_sin = cos * cos - sin * sin, 2.0 * sin * cos
-    real = (second[0] * twice_cos + second[1] * twice_sin) / size
-    imag = (second[1] * twice_cos - second[0] * twice_sin) / size
+    first_size = hypot(*first)
+    cos_phase, sin_phase = first[0] / first_size, first[1] / first_size
+    cos_double, sin_double = (
+        cos_phase * cos_phase - sin_phase * sin_phase,
+        2.0 * sin_phase * cos_phase,
+    )
+    real = (second[0] * cos_double + second[1] * sin_double) / first_size
+    imag = (second[1] * cos_double - second[0] * sin_double) / first_size
     return -force_harmonic * imag, force_harmonic * real
 
 
@@ -207,11 +212,14 @@ def bowl_mass(
     radius r_s and tilted by th, is s = r_s Theta/cos(th). m_r = m1 m2/(m1 + m2) of bowl and base,
     and I_r alike of their moments of inertia.
     """
-    m1, m2, i1, i2 = moving_mass, base_mass, moving_inertia, base_inertia
-    turning, lifting = i1 * (i2 / (i1 + i2)), m1 * (m2 / (m1 + m2))
-    return turning * np.square(cosine(spring_angle) / spring_radius) + lifting * np.square(
-        sine(spring_angle)
+    mass_1, mass_2, inertia_1, inertia_2 = moving_mass, base_mass, moving_inertia, base_inertia
+    turned_inertia, lifted_mass = (
+        inertia_1 * (inertia_2 / (inertia_1 + inertia_2)),
+        mass_1 * (mass_2 / (mass_1 + mass_2)),
     )
+    return turned_inertia * np.square(
+        cosine(spring_angle) / spring_radius
+    ) + lifted_mass * np.square(sine(spring_angle))
 
 
 def loaded_inertia(*, moving_inertia: Array, load_mass: Array, load_radius: Array) -> Array:
@@ -238,20 +246,31 @@ def bowl_response(
     ground makes m1 the mass m1 - i c_l/w, I1 the inertia I1 - i c_l R_l^2/w (theory 15.3).
     """
     w = circular_frequency
-    lost = load_damping / w
-    turning, turning_lost, turn = _reduced(
-        loaded_inertia, lost * np.square(load_radius), base_inertia
+    c_l_over_w = load_damping / w
+    inertia, inertia_loss, turn_fraction = _reduced(
+        loaded_inertia, c_l_over_w * np.square(load_radius), base_inertia
     )
-    lifting, lifting_lost, lift = _reduced(loaded_mass, lost, base_mass)
-    of_turn, of_lift = (
+    mass, mass_loss, lift_fraction = _reduced(loaded_mass, c_l_over_w, base_mass)
+    turn_per_stroke_squared, lift_per_stroke_squared = (
         np.square(cosine(spring_angle) / spring_radius),
         np.square(sine(spring_angle)),
     )
-    real = spring_stiffness - (turning * of_turn + lifting * of_lift) * w * w
-    imag = w * damping + (turning_lost * of_turn + lifting_lost * of_lift) * w * w
-    size = hypot(real, imag)
-    share = drive_force / size
-    return share * (real / size), -share * (imag / size), turn, lift
+    real = (
+        spring_stiffness
+        - (inertia * turn_per_stroke_squared + mass * lift_per_stroke_squared) * w * w
+    )
+    imag = (
+        w * damping
+        + (inertia_loss * turn_per_stroke_squared + mass_loss * lift_per_stroke_squared) * w * w
+    )
+    stiffness_size = hypot(real, imag)
+    amplitude = drive_force / stiffness_size
+    return (
+        amplitude * (real / stiffness_size),
+        -amplitude * (imag / stiffness_size),
+        turn_fraction,
+        lift_fraction,
+    )
 
 
 def bowl_measured(
@@ -260,20 +279,20 @@ def bowl_measured(
     spring_radius: Array, spring_angle: Array,
 ) -> Array:  # fmt: skip
     """Return the amplitude of the empty bowl at a radius by a force of 1 N [m N-1]."""
-    none = 0.0 * measured_frequency
+    zero = 0.0 * measured_frequency
     response = bowl_response(
-        drive_force=1.0 + none, circular_frequency=2 * np.pi * measured_frequency,
+        drive_force=1.0 + zero, circular_frequency=2 * np.pi * measured_frequency,
         spring_stiffness=spring_stiffness, damping=damping, loaded_mass=moving_mass,
         base_mass=base_mass, loaded_inertia=moving_inertia, base_inertia=base_inertia,
-        load_damping=none, load_radius=measured_radius, spring_radius=spring_radius,
+        load_damping=zero, load_radius=measured_radius, spring_radius=spring_radius,
         spring_angle=spring_angle,
     )  # fmt: skip
-    size = stroke(stroke_response=response)
+    amplitude = stroke(stroke_response=response)
     turn = bowl_turn(
-        stroke=size, stroke_response=response, spring_angle=spring_angle,
+        stroke=amplitude, stroke_response=response, spring_angle=spring_angle,
         spring_radius=spring_radius,
     )  # fmt: skip
-    lift = bowl_lift(stroke=size, stroke_response=response, spring_angle=spring_angle)
+    lift = bowl_lift(stroke=amplitude, stroke_response=response, spring_angle=spring_angle)
     return bowl_amplitude(radius=measured_radius, bowl_turn=turn, bowl_lift=lift)
 
 
@@ -287,7 +306,7 @@ def bowl_harmonic(
     As of `second_over_first`. Turn and lift of the bowl are taken to keep one proportion in both
     harmonics: exact without a damper from track to ground (theory 15.5).
     """
-    at = [
+    responses = [
         bowl_response(
             drive_force=1.0 + 0.0 * circular_frequency, circular_frequency=w,
             spring_stiffness=spring_stiffness, damping=damping, loaded_mass=loaded_mass,
@@ -297,16 +316,20 @@ def bowl_harmonic(
         )[:2]
         for w in (circular_frequency, 2.0 * circular_frequency)
     ]  # fmt: skip
-    return second_over_first(force_harmonic, *at)
+    return second_over_first(force_harmonic, *responses)
 
 
-def _reduced(mass: Array, lost: Array, other: Array) -> tuple[Array, Array, Array]:
-    # The reduced mass m1 m2/(m1 + m2) = real part - i loss, m1 = `mass` - i `lost`, lost = c/w of a
+def _reduced(mass: Array, loss: Array, other: Array) -> tuple[Array, Array, Array]:
+    # The reduced mass m1 m2/(m1 + m2) = real part - i loss, m1 = `mass` - i `loss`, loss = c/w of a
     # damper c to the ground, m2 = `other`; and the share |m2/(m1 + m2)|.
-    total = mass + other
-    size = hypot(total, lost)
-    share = other / size
-    return share * (mass * (total / size) + lost * (lost / size)), share * share * lost, share
+    total_mass = mass + other
+    total_size = hypot(total_mass, loss)
+    fraction = other / total_size
+    return (
+        fraction * (mass * (total_mass / total_size) + loss * (loss / total_size)),
+        fraction * fraction * loss,
+        fraction,
+    )
 
 
 def bowl_turn(
@@ -391,10 +414,10 @@ def bounds(stretches: Stretches) -> list[Array]:
 
     One array more than there are stretches.
     """
-    total, passed = total_length(stretches), [0.0 * stretches.length[0]]
+    total, distances = total_length(stretches), [0.0 * stretches.length[0]]
     for length in stretches.length:
-        passed.append(passed[-1] + length)
-    return [one / total for one in passed[:-1]] + [np.ones_like(total)]
+        distances.append(distances[-1] + length)
+    return [distance / total for distance in distances[:-1]] + [np.ones_like(total)]
 
 
 def radius_at(fraction: Array, stretches: Stretches) -> Array:
@@ -403,13 +426,17 @@ def radius_at(fraction: Array, stretches: Stretches) -> Array:
     `fraction` is that share. On a stretch from radius r_1 to r_2, r^2 = r_1^2 + (r_2^2 - r_1^2) x
     at the share x of its own length, since dr ~ dphi and ds ~ r dphi.
     """
-    ends = bounds(stretches)
+    stretch_bounds = bounds(stretches)
     radii = []
-    for first, last, low, high in zip(
-        stretches.start, stretches.end, ends[:-1], ends[1:], strict=True
+    for first, last, stretch_start, stretch_end in zip(
+        stretches.start, stretches.end, stretch_bounds[:-1], stretch_bounds[1:], strict=True
     ):
-        x = np.clip((fraction - low) / (high - low), 0.0, 1.0)
-        radii.append(np.sqrt(np.square(first) + (np.square(last) - np.square(first)) * x))
+        stretch_fraction = np.clip(
+            (fraction - stretch_start) / (stretch_end - stretch_start), 0.0, 1.0
+        )
+        radii.append(
+            np.sqrt(np.square(first) + (np.square(last) - np.square(first)) * stretch_fraction)
+        )
     return picked(fraction, stretches, radii)
 
 
@@ -420,6 +447,6 @@ def picked(fraction: Array, stretches: Stretches, values: Sequence[Array]) -> Ar
     one holds.
     """
     value = values[0]
-    for low, later in zip(bounds(stretches)[1:-1], values[1:], strict=True):
-        value = np.where(fraction >= low, later, value)
+    for stretch_start, later_value in zip(bounds(stretches)[1:-1], values[1:], strict=True):
+        value = np.where(fraction >= stretch_start, later_value, value)
     return np.asarray(value)

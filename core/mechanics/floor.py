@@ -31,9 +31,11 @@ def vibration_acceleration(*, frequency: Array, amplitude: Array) -> Array:
     """Return the amplitude of the drive acceleration, P = A0 (2 pi f)^2 [m s-2]."""
     w = 2 * np.pi * frequency
     # Of a far frequency the square alone is no float, though P may be one.
-    near = (w > FAR_BELOW) & (w < FAR_ABOVE)
-    far = np.where(near, 1.0, w)
-    return np.where(near, amplitude * np.square(np.where(near, w, 1.0)), amplitude * far * far)
+    in_range = (w > FAR_BELOW) & (w < FAR_ABOVE)
+    extreme = np.where(in_range, 1.0, w)
+    return np.where(
+        in_range, amplitude * np.square(np.where(in_range, w, 1.0)), amplitude * extreme * extreme
+    )
 
 
 def drive_along(*, vibration_acceleration: Array, alpha: Array, beta: Array) -> Array:
@@ -91,8 +93,8 @@ def throw(drive: Array, gravity: Array) -> Array:
     On an upright floor, where gravity is 0, it is infinite with the sign of the drive, and NaN
     without drive; the regime there is `flight`.
     """
-    push = np.where(gravity == 0, drive, 1.0)  # the sign matters there only
-    limit = np.where(push > 0, np.inf, np.where(push < 0, -np.inf, np.nan))
+    drive_on_upright = np.where(gravity == 0, drive, 1.0)  # the sign matters there only
+    limit = np.where(drive_on_upright > 0, np.inf, np.where(drive_on_upright < 0, -np.inf, np.nan))
     return ratio(drive, gravity, limit)
 
 
@@ -219,12 +221,14 @@ def pressure_offset_x(
         friction_static=friction_static,
         floor_acceleration=floor_acceleration,
     )
-    held = ratio(
+    in_stick = ratio(
         np.where(stuck, in_plane_drive_x, 0.0), np.where(stuck, floor_acceleration, 1.0), 0.0
     )
-    sliding = friction_kinetic * ratio(in_plane_drive_x, in_plane_drive, 0.0)
-    share = np.where(floor_acceleration > 0, np.where(stuck, held, sliding), np.nan)
-    return height / 2 * share
+    in_slip = friction_kinetic * ratio(in_plane_drive_x, in_plane_drive, 0.0)
+    friction_over_load = np.where(
+        floor_acceleration > 0, np.where(stuck, in_stick, in_slip), np.nan
+    )
+    return height / 2 * friction_over_load
 
 
 def tips_x(*, pressure_offset_x: Array, length: Array) -> Mask:
@@ -239,5 +243,5 @@ def tips_y(*, pressure_offset_y: Array, width: Array) -> Mask:
 
 def over_load(value: Array, load: Array, otherwise: float) -> Array:
     """Return a value over the floor's force, both per mass, and `otherwise` in flight."""
-    pressed = load > 0
-    return np.where(pressed, value / np.where(pressed, load, 1.0), otherwise)
+    in_contact = load > 0
+    return np.where(in_contact, value / np.where(in_contact, load, 1.0), otherwise)

@@ -64,7 +64,10 @@ class PassedShares(NamedTuple):
 def box_aspects(*, length: Array, width: Array, height: Array) -> tuple[Aspect, ...]:
     """Return the sizes of a box in each aspect: flat, on its side, on its end [m]."""
     sides = ((height, length, width), (width, length, height), (length, width, height))
-    return tuple(Aspect(up, np.minimum(a, b), np.maximum(a, b)) for up, a, b in sides)
+    return tuple(
+        Aspect(up, np.minimum(side, other_side), np.maximum(side, other_side))
+        for up, side, other_side in sides
+    )
 
 
 def weighted_box_aspects(
@@ -75,15 +78,15 @@ def weighted_box_aspects(
     Flat, on its side, on its end, and inverted.
     """
     flat, *others = box_aspects(length=length, width=width, height=height)
-    off = np.abs(centre_of_mass - height / 2)
-    lying = [
-        one._replace(
-            off_across=np.where(height <= beside, off, 0.0),
-            off_along=np.where(height <= beside, 0.0, off),
+    offset = np.abs(centre_of_mass - height / 2)
+    tilted = [
+        aspect._replace(
+            off_across=np.where(height <= base_side, offset, 0.0),
+            off_along=np.where(height <= base_side, 0.0, offset),
         )
-        for one, beside in zip(others, (length, width), strict=True)
+        for aspect, base_side in zip(others, (length, width), strict=True)
     ]
-    return flat, *lying, flat
+    return flat, *tilted, flat
 
 
 def cylinder_aspects(*, length: Array, diameter: Array) -> tuple[Aspect, ...]:
@@ -96,9 +99,11 @@ def prism_aspects(*, sides: Array, length: Array, diameter: Array) -> tuple[Aspe
 
     Above the side that it lies on is another one, or a corner where their number is odd.
     """
-    inner = diameter / 2 * cosine(np.pi / sides)
-    even = np.rint(sides / 2) * 2 == sides
-    lying = Aspect(inner + np.where(even, inner, diameter / 2), diameter, length)
+    inner_radius = diameter / 2 * cosine(np.pi / sides)
+    has_opposite_side = np.rint(sides / 2) * 2 == sides
+    lying = Aspect(
+        inner_radius + np.where(has_opposite_side, inner_radius, diameter / 2), diameter, length
+    )
     return lying, Aspect(length, diameter, diameter)
 
 
@@ -108,10 +113,10 @@ def turned_aspects(*, diameter: Array, small_diameter: Array, height: Array) -> 
     On its side the rim of the large end is d cos(th) high, th half the angle of the cone, and the
     other rim reaches out by d_2 sin(th) over the side.
     """
-    apart = np.abs(diameter - small_diameter) / 2
-    side = hypot(apart, height)
+    radius_difference = np.abs(diameter - small_diameter) / 2
+    side = hypot(radius_difference, height)
     large, small = np.maximum(diameter, small_diameter), np.minimum(diameter, small_diameter)
-    lying = Aspect(large * (height / side), large, side + small * (apart / side))
+    lying = Aspect(large * (height / side), large, side + small * (radius_difference / side))
     return Aspect(height, large, large), lying, Aspect(height, large, large)
 
 
@@ -125,8 +130,10 @@ def unchanged(aspects: int) -> Matrix:
 
 def test_of(kept: Sequence[Mask]) -> Matrix:
     """Return the diagonal matrix of a device that lets parts of an aspect pass or not."""
-    ones, zero = [np.where(one, 1.0, 0.0) for one in kept], np.zeros(())
-    return [[one if i == j else zero for j in range(len(kept))] for i, one in enumerate(ones)]
+    diagonal, zero = [np.where(entry, 1.0, 0.0) for entry in kept], np.zeros(())
+    return [
+        [entry if i == j else zero for j in range(len(kept))] for i, entry in enumerate(diagonal)
+    ]
 
 
 def turning(matrix: Matrix, turned_share: Array, turn: Array, *, failed: bool) -> Matrix:
@@ -162,8 +169,8 @@ def mean(matrices: Sequence[Matrix]) -> Matrix:
     """Return the mean of the matrices of parts that lie either way round."""
     if len(matrices) == 1:
         return matrices[0]
-    places, share = range(len(matrices[0])), 1.0 / len(matrices)
-    return [[share * _sum([one[i][j] for one in matrices]) for j in places] for i in places]
+    places, weight = range(len(matrices[0])), 1.0 / len(matrices)
+    return [[weight * _sum([matrix[i][j] for matrix in matrices]) for j in places] for i in places]
 
 
 def _sum(terms: Sequence[Array]) -> Array:
@@ -183,7 +190,7 @@ def passed(shares: Sequence[Array], matrix: Matrix) -> PassedShares:
     return PassedShares(
         matrix=tuple(tuple(row) for row in matrix),
         leaving=leaving,
-        pure=tuple(np.minimum(ratio(one, total, np.nan), 1.0) for one in leaving),
+        pure=tuple(np.minimum(ratio(share, total, np.nan), 1.0) for share in leaving),
         passing=passing,
         total=total,
         lost=_sum([shares[i] * np.maximum(1 - passing[i], 0.0) for i in aspects]),
@@ -211,13 +218,13 @@ def devices_in_order(order: Array, count: int) -> list[Array]:
     A number between two, where a search may look, means the nearer one. The digits of order - 1 in
     the base of factorials say how many of the devices that are left come before.
     """
-    digits, left = [], np.rint(order) - 1
+    digits, remainder = [], np.rint(order) - 1
     for position in range(count - 1):
-        block = float(np.prod(range(1, count - position)))
-        digit = np.rint((left + 0.5) / block - 0.5)  # the whole part of left/block
+        orders_per_digit = float(np.prod(range(1, count - position)))
+        digit = np.rint((remainder + 0.5) / orders_per_digit - 0.5)  # rounded down
         digits.append(digit)
-        left = left - digit * block
-    digits.append(0 * left)
+        remainder = remainder - digit * orders_per_digit
+    digits.append(0 * remainder)
     for position in reversed(range(count - 1)):
         for later in range(position + 1, count):
             digits[later] = digits[later] + np.where(digits[position] <= digits[later], 1.0, 0.0)
@@ -246,13 +253,15 @@ def laps_99(*, line: PassedShares) -> Array:
     eta is the yield: the share of parts that pass in a lap. At least 1; infinite where no part
     passes.
     """
-    some = (line.lost > 0) & (line.total > 0)
-    few = some & (line.total < 0.5)  # where 1 - eta would lose what eta is
-    log = np.where(
-        few, np.log1p(-np.where(few, line.total, 0.5)), np.log(np.where(some, line.lost, 0.5))
+    some_fall_and_pass = (line.lost > 0) & (line.total > 0)
+    is_low_yield = some_fall_and_pass & (line.total < 0.5)  # where 1 - eta would lose what eta is
+    log_lost = np.where(
+        is_low_yield,
+        np.log1p(-np.where(is_low_yield, line.total, 0.5)),
+        np.log(np.where(some_fall_and_pass, line.lost, 0.5)),
     )
-    laps = np.log(CERTAIN) / np.where(some & (log < 0), log, -1.0)
-    return np.where(some, np.maximum(laps, 1.0), np.where(line.lost > 0, np.inf, 1.0))
+    laps = np.log(CERTAIN) / np.where(some_fall_and_pass & (log_lost < 0), log_lost, -1.0)
+    return np.where(some_fall_and_pass, np.maximum(laps, 1.0), np.where(line.lost > 0, np.inf, 1.0))
 
 
 def time_per_part(*, lap_time: Array, laps: Array) -> Array:
@@ -312,10 +321,10 @@ def oriented_feed_rate(*, arrival_rate: Array, line: PassedShares, wanted_aspect
 
 
 def _wanted(shares: Sequence[Array], wanted_aspect: Array) -> Array:
-    wanted = shares[0]
-    for place, share in enumerate(shares[1:], 2):
-        wanted = np.where(wanted_aspect == place, share, wanted)
-    return wanted
+    value = shares[0]
+    for aspect, share in enumerate(shares[1:], 2):
+        value = np.where(wanted_aspect == aspect, share, value)
+    return value
 
 
 # --- Shares by a drop test, and how well they are known: Dirichlet's distribution (theory 16.4).
@@ -334,7 +343,7 @@ def posterior_shares(**counts: Array) -> tuple[Array, ...]:
     aspects, N in all.
     """
     total = posterior_count(**counts)
-    return tuple((one + PRIOR) / total for one in counts.values())
+    return tuple((count + PRIOR) / total for count in counts.values())
 
 
 def posterior_count(**counts: Array) -> Array:
@@ -342,7 +351,7 @@ def posterior_count(**counts: Array) -> Array:
 
     The weight of the test: N parts came to rest in K aspects, each of which counts 1/2 before it.
     """
-    return _sum([one + PRIOR for one in counts.values()])
+    return _sum([count + PRIOR for count in counts.values()])
 
 
 def yield_deviation(
@@ -354,7 +363,9 @@ def yield_deviation(
     of them that pass, eta the yield, A = N + K/2.
     """
     total = counted_line.total
-    return _deviation(counted_shares, [v - total for v in counted_line.passing], drop_count)
+    return _standard_deviation(
+        counted_shares, [v - total for v in counted_line.passing], drop_count
+    )
 
 
 def tested_line_ends(
@@ -368,32 +379,36 @@ def tested_line_ends(
     """
     line, aspects = counted_line, range(len(counted_shares))
 
-    def deviation(off: Sequence[Array]) -> Array:
-        return _deviation(counted_shares, off, drop_count)
+    def deviation(excess: Sequence[Array]) -> Array:
+        return _standard_deviation(counted_shares, excess, drop_count)
 
     columns = [[row[j] for row in line.matrix] for j in aspects]
-    whole = deviation([v - line.total for v in line.passing])
-    leaving = [deviation([v - line.leaving[j] for v in columns[j]]) for j in aspects]
-    impure = [
-        [v - line.pure[j] * every for v, every in zip(columns[j], line.passing, strict=True)]
+    total_deviation = deviation([v - line.total for v in line.passing])
+    leaving_deviations = [deviation([v - line.leaving[j] for v in columns[j]]) for j in aspects]
+    pure_excesses = [
+        [v - line.pure[j] * passing for v, passing in zip(columns[j], line.passing, strict=True)]
         for j in aspects
     ]
-    pure = [ratio(deviation(off), line.total, 0.0) for off in impure]
+    pure_deviations = [ratio(deviation(excess), line.total, 0.0) for excess in pure_excesses]
 
     def end(side: int) -> PassedShares:
-        total = quantile(line.total, whole, side)
+        total = quantile(line.total, total_deviation, side)
         return line._replace(
-            leaving=tuple(quantile(line.leaving[j], leaving[j], side) for j in aspects),
-            pure=tuple(quantile(line.pure[j], pure[j], side) for j in aspects),
+            leaving=tuple(quantile(line.leaving[j], leaving_deviations[j], side) for j in aspects),
+            pure=tuple(quantile(line.pure[j], pure_deviations[j], side) for j in aspects),
             total=total,
-            lost=quantile(line.lost, whole, -side),
+            lost=quantile(line.lost, total_deviation, -side),
         )
 
     return end(-1), end(1)
 
 
-def _deviation(shares: Sequence[Array], off: Sequence[Array], drop_count: Array) -> Array:
-    squares = sum(p * np.square(v) for p, v in zip(shares, off, strict=True))
+def _standard_deviation(
+    shares: Sequence[Array], excess: Sequence[Array], drop_count: Array
+) -> Array:
+    squares = sum(
+        share * np.square(difference) for share, difference in zip(shares, excess, strict=True)
+    )
     return np.sqrt(squares / (drop_count + 1))
 
 
@@ -405,21 +420,24 @@ def quantile(mean: Array, deviation: Array, side: int) -> Array:
     sqrt(F^(2/3)/(9 b) + 1/(9 a)) is nearly standard normal (Paulson 1942): the ends are right to
     0.02 standard deviations for a, b >= 1, and to 0.07 where nothing was counted.
     """
-    spread = (deviation > 0) & (mean > 0) & (mean < 1)
-    m, s = np.where(spread, mean, 0.5), np.where(spread, deviation, 0.1)
-    count = m * (1 - m) / np.square(s) - 1
-    a, b = m * count, (1 - m) * count
-    above, below = 1 / (9 * a), 1 / (9 * b)
-    z = DEVIATIONS * DEVIATIONS
-    lead = np.square(1 - below) - z * below
-    middle = (1 - below) * (1 - above)
-    rest = np.square(1 - above) - z * above
+    has_interval = (deviation > 0) & (mean > 0) & (mean < 1)
+    safe_mean, safe_deviation = (
+        np.where(has_interval, mean, 0.5),
+        np.where(has_interval, deviation, 0.1),
+    )
+    count = safe_mean * (1 - safe_mean) / np.square(safe_deviation) - 1
+    a, b = safe_mean * count, (1 - safe_mean) * count
+    ninth_a, ninth_b = 1 / (9 * a), 1 / (9 * b)
+    z_squared = DEVIATIONS * DEVIATIONS
+    lead = np.square(1 - ninth_b) - z_squared * ninth_b
+    middle = (1 - ninth_b) * (1 - ninth_a)
+    rest = np.square(1 - ninth_a) - z_squared * ninth_a
     # The ends are roots of lead t^2 - 2 middle t + rest, t = F^(1/3), or an end of the range.
     root = middle + np.sqrt(np.square(middle) - lead * rest)
-    turned = np.maximum(
+    cube_root = np.maximum(
         (lead if side > 0 else rest) / root, 0.0
     )  # 1/t of the upper, t of the lower
-    first, second = (b, a) if side > 0 else (a, b)
-    cube = first * (turned * turned * turned)
-    low = cube / (cube + second)
-    return np.where(spread, 1 - low if side > 0 else low, mean)
+    numerator_factor, denominator_term = (b, a) if side > 0 else (a, b)
+    weighted_cube = numerator_factor * (cube_root * cube_root * cube_root)
+    lower_end = weighted_cube / (weighted_cube + denominator_term)
+    return np.where(has_interval, 1 - lower_end if side > 0 else lower_end, mean)

@@ -85,28 +85,34 @@ def _faces(
     body: float, x: Array, y: Array, angle: Array, half_length: Array, half_width: Array,
     other_x: Array, other_y: Array, other_angle: Array, other_length: Array, other_width: Array,
 ) -> tuple[_Face, _Face]:  # fmt: skip
+    # The two faces of a body that are turned to the other one: along its length and along its
+    # width, each with the gap to the other body's support.
     c, s = cosine(angle), sine(angle)
     other_c, other_s = cosine(other_angle), sine(other_angle)
-    turn = other_angle - angle
-    same, cross = np.abs(cosine(turn)), np.abs(sine(turn))
+    relative_angle = other_angle - angle
+    abs_cos, abs_sin = np.abs(cosine(relative_angle)), np.abs(sine(relative_angle))
     faces = []
-    for e_x, e_y, distance, half, by_length, by_width in (
-        (c, s, half_length, half_width, same, cross),
-        (-s, c, half_width, half_length, cross, same),
+    for axis_x, axis_y, distance, half, length_factor, width_factor in (
+        (c, s, half_length, half_width, abs_cos, abs_sin),
+        (-s, c, half_width, half_length, abs_sin, abs_cos),
     ):
-        ahead = e_x * (other_x - x) + e_y * (other_y - y)
-        sign = np.where(ahead < 0, -1.0, 1.0)
-        gap = np.abs(ahead) - distance - (by_length * other_length + by_width * other_width)
+        centre_offset = axis_x * (other_x - x) + axis_y * (other_y - y)
+        sign = np.where(centre_offset < 0, -1.0, 1.0)
+        gap = (
+            np.abs(centre_offset)
+            - distance
+            - (length_factor * other_length + width_factor * other_width)
+        )
         faces.append(
-            _Face(gap, sign * e_x, sign * e_y, x, y, distance, half, other_x, other_y, other_c,
-                  other_s, other_length, other_width, np.asarray(body))
+            _Face(gap, sign * axis_x, sign * axis_y, x, y, distance, half, other_x, other_y,
+                  other_c, other_s, other_length, other_width, np.asarray(body))
         )  # fmt: skip
     return faces[0], faces[1]
 
 
 def _nearer(face: _Face, other: _Face) -> _Face:
-    first = face.gap >= other.gap
-    return _Face(*(np.where(first, a, b) for a, b in zip(face, other, strict=True)))
+    is_first = face.gap >= other.gap
+    return _Face(*(np.where(is_first, a, b) for a, b in zip(face, other, strict=True)))
 
 
 def rectangle_contact(*, rectangle_1: Rectangle, rectangle_2: Rectangle) -> RectangleContact:
@@ -117,40 +123,52 @@ def rectangle_contact(*, rectangle_1: Rectangle, rectangle_2: Rectangle) -> Rect
     distance where the corner lies over the face, and a lower bound of the distance beside the face.
     Impacts of two parts are computed from this contact.
     """
-    one, two = (
+    outline_1, outline_2 = (
         (body.x, body.y, body.angle, body.length / 2, body.width / 2)
         for body in (rectangle_1, rectangle_2)
     )
-    face = _nearer(_nearer(*_faces(1.0, *one, *two)), _nearer(*_faces(2.0, *two, *one)))
+    face = _nearer(
+        _nearer(*_faces(1.0, *outline_1, *outline_2)), _nearer(*_faces(2.0, *outline_2, *outline_1))
+    )
     diagonal_1 = np.hypot(rectangle_1.length, rectangle_1.width)
     diagonal_2 = np.hypot(rectangle_2.length, rectangle_2.width)
     size = (diagonal_1 + diagonal_2) / 2
     # Components of the normal along the other body's axes, and of its axes along the face.
     along_length = face.n_x * face.c + face.n_y * face.s
     along_width = face.n_y * face.c - face.n_x * face.s
-    i = np.where(along_length > 0, -1.0, 1.0)
-    j = np.where(along_width > 0, -1.0, 1.0)
-    corner_x = face.other_x + i * face.half_length * face.c - j * face.half_width * face.s
-    corner_y = face.other_y + i * face.half_length * face.s + j * face.half_width * face.c
-    corner = np.where(j > 0, np.where(i > 0, 1.0, 2.0), np.where(i > 0, 4.0, 3.0))
+    length_sign = np.where(along_length > 0, -1.0, 1.0)
+    width_sign = np.where(along_width > 0, -1.0, 1.0)
+    corner_x = (
+        face.other_x
+        + length_sign * face.half_length * face.c
+        - width_sign * face.half_width * face.s
+    )
+    corner_y = (
+        face.other_y
+        + length_sign * face.half_length * face.s
+        + width_sign * face.half_width * face.c
+    )
+    corner = np.where(
+        width_sign > 0, np.where(length_sign > 0, 1.0, 2.0), np.where(length_sign > 0, 4.0, 3.0)
+    )
     # Rise of the edges that meet in the corner, over the face.
     rise_length = 2 * np.abs(along_length) * face.half_length
     rise_width = 2 * np.abs(along_width) * face.half_width
     edge = np.minimum(rise_length, rise_width) <= ALIKE * size
     t_x, t_y = -face.n_y, face.n_x
-    along = t_x * (corner_x - face.x) + t_y * (corner_y - face.y)
-    by_length = rise_length <= rise_width
-    far = np.where(
-        by_length,
-        -2 * i * face.half_length * (t_x * face.c + t_y * face.s),
-        -2 * j * face.half_width * (t_y * face.c - t_x * face.s),
+    near_end = t_x * (corner_x - face.x) + t_y * (corner_y - face.y)
+    edge_is_length = rise_length <= rise_width
+    far_end = np.where(
+        edge_is_length,
+        -2 * length_sign * face.half_length * (t_x * face.c + t_y * face.s),
+        -2 * width_sign * face.half_width * (t_y * face.c - t_x * face.s),
     )
-    far = np.where(edge, along + far, along)
-    low, high = np.minimum(along, far), np.maximum(along, far)
+    far_end = np.where(edge, near_end + far_end, near_end)
+    low, high = np.minimum(near_end, far_end), np.maximum(near_end, far_end)
     low, high = np.maximum(low, -face.half), np.minimum(high, face.half)
     overlap = high - low
-    room = np.where(edge, overlap, face.half - np.abs(along))
-    beside, at_corner = room < -ALIKE * size, np.abs(room) <= ALIKE * size
+    overlap_margin = np.where(edge, overlap, face.half - np.abs(near_end))
+    beside, at_corner = overlap_margin < -ALIKE * size, np.abs(overlap_margin) <= ALIKE * size
     corner = np.where(edge, 0.0, corner)
     on_edge = edge & (overlap > 0)
     level = face.distance + face.gap

@@ -81,7 +81,7 @@ def planar_motion(
 # --- the place of the contact
 
 
-def _closing(
+def _closing_velocity(
     x: Array,
     y: Array,
     n_x: Array,
@@ -90,14 +90,16 @@ def _closing(
     body_2: Rectangle,
     motion: BodyVelocities,
 ) -> Array:
+    # Normal velocity of body 1 against body 2 at the point (x, y), n.(v1 + w1 x rho1 - v2 - w2 x
+    # rho2).
     u = motion
-    slip_x = (u.velocity_x_1 - u.spin_1 * (y - body_1.y)) - (
+    relative_x = (u.velocity_x_1 - u.spin_1 * (y - body_1.y)) - (
         u.velocity_x_2 - u.spin_2 * (y - body_2.y)
     )
-    slip_y = (u.velocity_y_1 + u.spin_1 * (x - body_1.x)) - (
+    relative_y = (u.velocity_y_1 + u.spin_1 * (x - body_1.x)) - (
         u.velocity_y_2 + u.spin_2 * (x - body_2.x)
     )
-    return n_x * slip_x + n_y * slip_y
+    return n_x * relative_x + n_y * relative_y
 
 
 def edge_action_without_friction(
@@ -115,28 +117,30 @@ def edge_action_without_friction(
     each end one of both 0 (theory 1.4). The normals are parallel, so that the resultant alone gives
     the impact.
     """
-    at = rectangle_contact
+    contact = rectangle_contact
     u_1, u_2 = (
-        _closing(x, y, at.normal_x, at.normal_y, rectangle_1, rectangle_2, planar_motion)
-        for x, y in ((at.first_x, at.first_y), (at.second_x, at.second_y))
+        _closing_velocity(
+            x, y, contact.normal_x, contact.normal_y, rectangle_1, rectangle_2, planar_motion
+        )
+        for x, y in ((contact.first_x, contact.first_y), (contact.second_x, contact.second_y))
     )
     arms = [
-        (x - body.x) * at.normal_y - (y - body.y) * at.normal_x
+        (x - body.x) * contact.normal_y - (y - body.y) * contact.normal_x
         for body in (rectangle_1, rectangle_2)
-        for x, y in ((at.first_x, at.first_y), (at.second_x, at.second_y))
+        for x, y in ((contact.first_x, contact.first_y), (contact.second_x, contact.second_y))
     ]
     first_1, second_1, first_2, second_2 = arms
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
-    free = 1 / mass_1 + 1 / mass_2
+    inverse_masses = 1 / mass_1 + 1 / mass_2
     action = impact.on_edge(
-        G_11=free + first_1 * first_1 / inertia_1 + first_2 * first_2 / inertia_2,
-        G_12=free + first_1 * second_1 / inertia_1 + first_2 * second_2 / inertia_2,
-        G_22=free + second_1 * second_1 / inertia_1 + second_2 * second_2 / inertia_2,
+        G_11=inverse_masses + first_1 * first_1 / inertia_1 + first_2 * first_2 / inertia_2,
+        G_12=inverse_masses + first_1 * second_1 / inertia_1 + first_2 * second_2 / inertia_2,
+        G_22=inverse_masses + second_1 * second_1 / inertia_1 + second_2 * second_2 / inertia_2,
         u_1=u_1,
         u_2=u_2,
         restitution=restitution,
     )
-    return EdgeAction(action.share, at.edge & action.unknown)
+    return EdgeAction(action.share, contact.edge & action.unknown)
 
 
 def edge_action_with_friction(
@@ -151,20 +155,22 @@ def edge_action_with_friction(
     An impact at one end of the edge is solved, one at both ends at once is not: edges that approach
     at all are `unknown`.
     """
-    at = rectangle_contact
+    contact = rectangle_contact
     u_1, u_2 = (
-        _closing(x, y, at.normal_x, at.normal_y, rectangle_1, rectangle_2, planar_motion)
-        for x, y in ((at.first_x, at.first_y), (at.second_x, at.second_y))
+        _closing_velocity(
+            x, y, contact.normal_x, contact.normal_y, rectangle_1, rectangle_2, planar_motion
+        )
+        for x, y in ((contact.first_x, contact.first_y), (contact.second_x, contact.second_y))
     )
-    return EdgeAction(np.where(u_2 < u_1, 1.0, 0.0), at.edge & (np.minimum(u_1, u_2) < 0))
+    return EdgeAction(np.where(u_2 < u_1, 1.0, 0.0), contact.edge & (np.minimum(u_1, u_2) < 0))
 
 
 def contact_point(
     axis: int, *, rectangle_contact: RectangleContact, edge_action: EdgeAction
 ) -> Array:
     """Return the point where the impulse acts, x (`axis` 0) or y (1) [m]."""
-    at = rectangle_contact
-    first, second = ((at.first_x, at.second_x), (at.first_y, at.second_y))[axis]
+    contact = rectangle_contact
+    first, second = ((contact.first_x, contact.second_x), (contact.first_y, contact.second_y))[axis]
     return first + edge_action.share * (second - first)
 
 
@@ -201,8 +207,8 @@ def delassus_normal(*, contact_arms: Arms, rectangle_masses: RectangleMasses) ->
     The normal velocity of the contact per normal impulse.
     """
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
-    of_1, of_2 = contact_arms.normal_1, contact_arms.normal_2
-    return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
+    arm_1, arm_2 = contact_arms.normal_1, contact_arms.normal_2
+    return 1 / mass_1 + 1 / mass_2 + arm_1 * arm_1 / inertia_1 + arm_2 * arm_2 / inertia_2
 
 
 def delassus_coupling(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
@@ -223,8 +229,8 @@ def delassus_tangential(*, contact_arms: Arms, rectangle_masses: RectangleMasses
     The tangential velocity of the contact per tangential impulse.
     """
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
-    of_1, of_2 = contact_arms.tangential_1, contact_arms.tangential_2
-    return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
+    arm_1, arm_2 = contact_arms.tangential_1, contact_arms.tangential_2
+    return 1 / mass_1 + 1 / mass_2 + arm_1 * arm_1 / inertia_1 + arm_2 * arm_2 / inertia_2
 
 
 def approach_normal(
@@ -239,9 +245,9 @@ def approach_normal(
     n.(v1 + w1 x rho1 - v2 - w2 x rho2), negative in approach.
     """
     u = planar_motion
-    drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
-    centres = normal_x * drift_x + normal_y * drift_y
-    return centres + u.spin_1 * contact_arms.normal_1 - u.spin_2 * contact_arms.normal_2
+    relative_x, relative_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
+    centre_velocity = normal_x * relative_x + normal_y * relative_y
+    return centre_velocity + u.spin_1 * contact_arms.normal_1 - u.spin_2 * contact_arms.normal_2
 
 
 def approach_tangential(
@@ -256,9 +262,13 @@ def approach_tangential(
     t.(v1 + w1 x rho1 - v2 - w2 x rho2).
     """
     u = planar_motion
-    drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
-    centres = normal_x * drift_y - normal_y * drift_x
-    return centres + u.spin_1 * contact_arms.tangential_1 - u.spin_2 * contact_arms.tangential_2
+    relative_x, relative_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
+    centre_velocity = normal_x * relative_y - normal_y * relative_x
+    return (
+        centre_velocity
+        + u.spin_1 * contact_arms.tangential_1
+        - u.spin_2 * contact_arms.tangential_2
+    )
 
 
 # --- where there is an impact
@@ -269,14 +279,14 @@ def is_apart(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -
 
     The tolerance is a share of the bodies' size.
     """
-    at = rectangle_contact
-    return (at.gap > contact_tolerance * at.size) | (at.beside & (at.gap >= 0))
+    contact = rectangle_contact
+    return (contact.gap > contact_tolerance * contact.size) | (contact.beside & (contact.gap >= 0))
 
 
 def overlaps(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -> Mask:
     """True where the overlap exceeds the tolerance."""
-    at = rectangle_contact
-    return (at.gap < -contact_tolerance * at.size) | (at.beside & (at.gap < 0))
+    contact = rectangle_contact
+    return (contact.gap < -contact_tolerance * contact.size) | (contact.beside & (contact.gap < 0))
 
 
 def lacks_single_point(*, rectangle_contact: RectangleContact) -> Mask:
@@ -301,16 +311,18 @@ def ends_in_stick(*, planar_impulse: Impulse) -> Mask:
 
 def _only_at_one_contact(
     impulse: Impulse,
-    at: RectangleContact,
+    contact: RectangleContact,
     tolerance: Array,
     edge_action: EdgeAction,
 ) -> Impulse:
-    nothing = is_apart(rectangle_contact=at, contact_tolerance=tolerance)
-    unknown = overlaps(rectangle_contact=at, contact_tolerance=tolerance)
-    unknown = unknown | ((at.at_corner | edge_action.unknown) & ~nothing)
+    # 0 where the bodies are apart, NaN where the contact is no single point or has no single
+    # impulse.
+    are_apart = is_apart(rectangle_contact=contact, contact_tolerance=tolerance)
+    unknown = overlaps(rectangle_contact=contact, contact_tolerance=tolerance)
+    unknown = unknown | ((contact.at_corner | edge_action.unknown) & ~are_apart)
     return Impulse(
-        only_in_impact(impulse.normal, nothing, unknown),
-        only_in_impact(impulse.tangential, nothing, unknown),
+        only_in_impact(impulse.normal, are_apart, unknown),
+        only_in_impact(impulse.tangential, are_apart, unknown),
         impulse.sticks,
     )
 
@@ -453,7 +465,7 @@ def angular_momentum_residual(
     """
     body_1, body_2, masses = rectangle_1, rectangle_2, rectangle_masses
     change = BodyVelocities(
-        *(u - v for u, v in zip(planar_motion_after, planar_motion, strict=True))
+        *(after - before for after, before in zip(planar_motion_after, planar_motion, strict=True))
     )
     return (
         masses.mass_1 * (body_1.x * change.velocity_y_1 - body_1.y * change.velocity_x_1)

@@ -18,9 +18,9 @@ def share_of_faces(along: Array, across: Array, apart: Array) -> Array:
     (2/pi) atan(a b/(c sqrt(a^2 + b^2 + c^2))) for faces of a by b that are c apart: the solid angle
     under which the centre sees them. The three shares of a box add up to 1.
     """
-    through = hypot(hypot(along, across), apart)
+    diagonal = hypot(hypot(along, across), apart)
     # Each factor is at most 1 or a length over another: no product of lengths underflows.
-    return 2 / np.pi * np.arctan2((along / through) * (across / through), apart / through)
+    return 2 / np.pi * np.arctan2((along / diagonal) * (across / diagonal), apart / diagonal)
 
 
 Shares = tuple[Array, ...]
@@ -54,10 +54,12 @@ def weighted_box_shares(
     z. The faces are seen from the centre as those of the lower half of a box of the height 2 z and
     of the upper half of one of 2 (h - z). NaN with the centre outside of the box.
     """
-    rest = height - centre_of_mass
+    centre_above = height - centre_of_mass
     below, above = (
-        box_shares(length=length, width=width, height=np.where(rest > 0, 2 * apart, np.nan))
-        for apart in (centre_of_mass, rest)
+        box_shares(
+            length=length, width=width, height=np.where(centre_above > 0, 2 * half_height, np.nan)
+        )
+        for half_height in (centre_of_mass, centre_above)
     )
     sides, ends = (below[k] / 2 + above[k] / 2 for k in (1, 2))
     return below[0] / 2, sides, ends, above[0] / 2
@@ -75,8 +77,8 @@ def cylinder_shares(*, length: Array, diameter: Array) -> Shares:
 
     l/sqrt(l^2 + d^2) and 1 - l/sqrt(l^2 + d^2): length l, diameter d.
     """
-    through = hypot(length, diameter)
-    return length / through, (diameter / through) * (diameter / (through + length))
+    diagonal = hypot(length, diameter)
+    return length / diagonal, (diameter / diagonal) * (diameter / (diagonal + length))
 
 
 def cylinder_centres(*, length: Array, diameter: Array) -> Shares:
@@ -90,12 +92,12 @@ def prism_shares(*, sides: Array, length: Array, diameter: Array) -> Shares:
     With n sides, length L, diameter d of the circle through the corners, k = L/sqrt(L^2 + d^2):
     both ends together have (n/pi) (pi/n - atan(k tan(pi/n))) (theory 16.1).
     """
-    through = hypot(length, diameter)
-    k = length / through
-    less = (diameter / through) * (diameter / (through + length))  # 1 - k
-    t = np.tan(np.pi / sides)
-    ends = np.arctan2(t * less, 1 + t * t * k)
-    return sides / np.pi * np.arctan2(t * length, through), sides / np.pi * ends
+    diagonal = hypot(length, diameter)
+    k = length / diagonal
+    one_minus_k = (diameter / diagonal) * (diameter / (diagonal + length))  # 1 - k
+    tan_sector = np.tan(np.pi / sides)
+    ends = np.arctan2(tan_sector * one_minus_k, 1 + tan_sector * tan_sector * k)
+    return sides / np.pi * np.arctan2(tan_sector * length, diagonal), sides / np.pi * ends
 
 
 def prism_centres(*, sides: Array, length: Array, diameter: Array) -> Shares:
@@ -125,10 +127,10 @@ def side_foot(
     the centre, length L_g of the side. The part lies on its side only where this is between 0 and
     1.
     """
-    apart = (diameter - small_diameter) / 2
-    generator = hypot(apart, height)
-    along = (mass_height / generator) * (height / generator)
-    return along + (diameter / 2 / generator) * (apart / generator)
+    radius_difference = (diameter - small_diameter) / 2
+    generator = hypot(radius_difference, height)
+    from_height = (mass_height / generator) * (height / generator)
+    return from_height + (diameter / 2 / generator) * (radius_difference / generator)
 
 
 def is_side_unstable(*, side_foot: Array) -> Mask:
@@ -141,8 +143,8 @@ def end_share(centre: Array, radius: Array) -> Array:
 
     z is the height of the centre above this end, r its radius: the solid angle.
     """
-    through = hypot(centre, radius)
-    return (radius / through) * (radius / (through + centre)) / 2
+    rim_distance = hypot(centre, radius)
+    return (radius / rim_distance) * (radius / (rim_distance + centre)) / 2
 
 
 def turned_shares(
@@ -171,17 +173,19 @@ def turned_centres(
     *, diameter: Array, small_diameter: Array, height: Array, mass_height: Array
 ) -> Shares:
     """Return the heights of the centre of a turned part: upright, on its side, inverted [m]."""
-    apart = (diameter - small_diameter) / 2
-    across = (diameter / 2 * height - mass_height * apart) / hypot(apart, height)
-    return mass_height, across, height - mass_height
+    radius_difference = (diameter - small_diameter) / 2
+    above_side = (diameter / 2 * height - mass_height * radius_difference) / hypot(
+        radius_difference, height
+    )
+    return mass_height, above_side, height - mass_height
 
 
 # --- thrown parts
 
 
-def _depth(centre: Array, reach: Array) -> Array:
+def _depth_below_corner(centre: Array, horizontal: Array) -> Array:
     # R - h for a corner at the distance R = hypot(h, reach) from the centre [m].
-    return reach * (reach / (hypot(centre, reach) + centre))
+    return horizontal * (horizontal / (hypot(centre, horizontal) + centre))
 
 
 def box_depths(*, length: Array, width: Array, height: Array) -> Shares:
@@ -191,9 +195,9 @@ def box_depths(*, length: Array, width: Array, height: Array) -> Shares:
     that it can be above the floor.
     """
     return (
-        _depth(height / 2, hypot(length, width) / 2),
-        _depth(width / 2, hypot(length, height) / 2),
-        _depth(length / 2, hypot(width, height) / 2),
+        _depth_below_corner(height / 2, hypot(length, width) / 2),
+        _depth_below_corner(width / 2, hypot(length, height) / 2),
+        _depth_below_corner(length / 2, hypot(width, height) / 2),
     )
 
 
@@ -205,35 +209,39 @@ def weighted_box_depths(
     R is the distance of the centre from the farthest corner; aspects as of `weighted_box_centres`.
     """
     low, high = centre_of_mass, height - centre_of_mass
-    far, along, across = np.maximum(low, high), length / 2, width / 2
-    through = hypot(hypot(along, across), far)
+    larger, along, across = np.maximum(low, high), length / 2, width / 2
+    corner_distance = hypot(hypot(along, across), larger)
 
-    def below(centre: Array, first: Array, second: Array, third: Array) -> Array:
+    def depth(centre: Array, x: Array, y: Array, z: Array) -> Array:
         # R^2 - h^2 as sum of squares, without what cancels.
-        return (first * first + second * second + third * third) / (through + centre)
+        return (x * x + y * y + z * z) / (corner_distance + centre)
 
-    def lifted(centre: Array) -> Array:
-        return np.sqrt((far - centre) * (far + centre))
+    def lower_than_corner(centre: Array) -> Array:
+        return np.sqrt((larger - centre) * (larger + centre))
 
     zero = 0.0 * low
     return (
-        below(low, along, across, lifted(low)),
-        below(across, along, far, zero),
-        below(along, across, far, zero),
-        below(high, along, across, lifted(high)),
+        depth(low, along, across, lower_than_corner(low)),
+        depth(across, along, larger, zero),
+        depth(along, across, larger, zero),
+        depth(high, along, across, lower_than_corner(high)),
     )
 
 
 def cylinder_depths(*, length: Array, diameter: Array) -> Shares:
     """Return the depths R - h of a cylinder: on its side, on an end [m]."""
-    return _depth(diameter / 2, length / 2), _depth(length / 2, diameter / 2)
+    return _depth_below_corner(diameter / 2, length / 2), _depth_below_corner(
+        length / 2, diameter / 2
+    )
 
 
 def prism_depths(*, sides: Array, length: Array, diameter: Array) -> Shares:
     """Return the depths R - h of a prism: on a side, on an end [m]."""
     half, half_angle = diameter / 2, np.pi / sides
-    side = _depth(half * cosine(half_angle), hypot(length / 2, half * sine(half_angle)))
-    return side, _depth(length / 2, half)
+    side = _depth_below_corner(
+        half * cosine(half_angle), hypot(length / 2, half * sine(half_angle))
+    )
+    return side, _depth_below_corner(length / 2, half)
 
 
 def turned_depths(
@@ -246,15 +254,20 @@ def turned_depths(
     on it.
     """
     low, high = mass_height, height - mass_height
-    base, top = _depth(low, diameter / 2), _depth(high, small_diameter / 2)
+    base, top = (
+        _depth_below_corner(low, diameter / 2),
+        _depth_below_corner(high, small_diameter / 2),
+    )
     generator = hypot((diameter - small_diameter) / 2, height)
-    _, across, _ = turned_centres(
+    _, above_side, _ = turned_centres(
         diameter=diameter, small_diameter=small_diameter, height=height, mass_height=mass_height
     )
-    reach = generator * np.maximum(side_foot, 1 - side_foot)
+    farther_rim = generator * np.maximum(side_foot, 1 - side_foot)
+    # On an end the rim of the other end may be the farther one: its R - h is that on its own end,
+    # plus what the centre lies lower here.
     return (
         np.maximum(base, top + (high - low)),
-        _depth(across, reach),
+        _depth_below_corner(above_side, farther_rim),
         np.maximum(top, base + (low - high)),
     )
 
@@ -266,10 +279,10 @@ def thrown_shares(*, let_down_shares: Shares, depths: Shares) -> Shares:
     of its depth, Omega (R - h)^2 (theory 16.1): energy is lost in many small steps.
     """
     total = sum(depths[1:], depths[0])
-    both = zip(let_down_shares, depths, strict=True)
-    weights = [share * np.square(depth / total) for share, depth in both]
-    every = sum(weights[1:], weights[0])
-    return tuple(weight / every for weight in weights)
+    pairs = zip(let_down_shares, depths, strict=True)
+    weights = [share * np.square(depth / total) for share, depth in pairs]
+    weight_sum = sum(weights[1:], weights[0])
+    return tuple(weight / weight_sum for weight in weights)
 
 
 def long_side_share(*, length: Array, width: Array) -> Array:
@@ -321,8 +334,8 @@ def prism_gyration(*, sides: Array, length: Array, diameter: Array) -> Array:
 
     k^2 = R^2 (2 + cos(2 pi/n))/12 + L^2/12, R the radius of the circle through the corners.
     """
-    across = np.square(diameter / 2) * (2 + cosine(2 * np.pi / sides))
-    return np.sqrt((across + np.square(length)) / 12)
+    radius_term = np.square(diameter / 2) * (2 + cosine(2 * np.pi / sides))
+    return np.sqrt((radius_term + np.square(length)) / 12)
 
 
 def cone_gyration(
@@ -336,10 +349,13 @@ def cone_gyration(
     """
     r = small_diameter / diameter
     q = 1 + r * (1 + r)
-    turning = 3 * (1 + r * (1 + r * (1 + r * (1 + r)))) / (80 * q)
-    along = (1 + r * (3 + 6 * r)) / (10 * q)
-    z = mass_height / height
-    return hypot(diameter * np.sqrt(turning), height * np.sqrt(along - z * z))
+    radius_term = 3 * (1 + r * (1 + r * (1 + r * (1 + r)))) / (80 * q)
+    height_term = (1 + r * (3 + 6 * r)) / (10 * q)
+    centre_fraction = mass_height / height
+    return hypot(
+        diameter * np.sqrt(radius_term),
+        height * np.sqrt(height_term - centre_fraction * centre_fraction),
+    )
 
 
 def part_mass(*, part_volume: Array, part_density: Array) -> Array:
@@ -390,9 +406,9 @@ def topple_speed(
     about the edge is kept, and lifts the centre above the edge. R - z_c is written as b^2/(R +
     z_c), b half the base.
     """
-    lift = 2 * gravity / (edge_distance + standing_centre)
-    turning = hypot(gyration, edge_distance)
-    return standing_base / standing_centre * np.sqrt(lift) * turning
+    speed_factor_squared = 2 * gravity / (edge_distance + standing_centre)
+    edge_gyration = hypot(gyration, edge_distance)
+    return standing_base / standing_centre * np.sqrt(speed_factor_squared) * edge_gyration
 
 
 def pulse_angle(*, rocking_rate: Array, frequency: Array) -> Array:
@@ -403,12 +419,12 @@ def pulse_angle(*, rocking_rate: Array, frequency: Array) -> Array:
     """
     q = rocking_rate / (2 * np.pi * frequency)
     phi = np.arctan(q)
-    sine = q / np.sqrt(1 + q * q)
+    sin_phi = q / np.sqrt(1 + q * q)
     psi = phi
     for _ in range(MAX_STEPS):
-        x = sine * np.exp(-q * (np.pi - psi))
-        root = np.sqrt((1 - x) * (1 + x))
-        psi = psi - (psi - phi - np.arctan2(x, root)) / (1 - q * x / root)
+        sin_delay = sin_phi * np.exp(-q * (np.pi - psi))
+        cos_delay = np.sqrt((1 - sin_delay) * (1 + sin_delay))
+        psi = psi - (psi - phi - np.arctan2(sin_delay, cos_delay)) / (1 - q * sin_delay / cos_delay)
     return psi
 
 
@@ -436,12 +452,18 @@ def push_over_load(
     the ends s = -1 and 1 count. Infinite where the part leaves the floor.
     """
     drive = np.square(2 * np.pi * frequency) * amplitude
-    along, normal = drive * cosine(beta), drive * sine(beta)
-    down, onto = gravity * sine(gamma), gravity * cosine(gamma)
-    stays = onto > np.abs(normal)
-    forth, back = np.where(stays, onto - normal, 1.0), np.where(stays, onto + normal, 1.0)
-    push = np.maximum(np.abs(along - down) / forth, np.abs(along + down) / back)
-    return np.where(stays, push, np.inf)
+    drive_along, drive_normal = drive * cosine(beta), drive * sine(beta)
+    gravity_along, gravity_normal = gravity * sine(gamma), gravity * cosine(gamma)
+    stays_on_floor = gravity_normal > np.abs(drive_normal)
+    least_load, largest_load = (
+        np.where(stays_on_floor, gravity_normal - drive_normal, 1.0),
+        np.where(stays_on_floor, gravity_normal + drive_normal, 1.0),
+    )
+    push = np.maximum(
+        np.abs(drive_along - gravity_along) / least_load,
+        np.abs(drive_along + gravity_along) / largest_load,
+    )
+    return np.where(stays_on_floor, push, np.inf)
 
 
 def rocking_margin(

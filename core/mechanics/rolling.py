@@ -47,8 +47,8 @@ def is_rolling(
     D_x and D_y are drive and gravity along the axis and across it, n the floor's force, all per
     mass.
     """
-    held = hypot(in_plane_drive_x, in_plane_drive_y / 3) <= friction_static * floor_acceleration
-    return held & (floor_acceleration > 0)
+    grips = hypot(in_plane_drive_x, in_plane_drive_y / 3) <= friction_static * floor_acceleration
+    return grips & (floor_acceleration > 0)
 
 
 def is_at_rest(
@@ -59,8 +59,8 @@ def is_at_rest(
     floor_acceleration: Array,
 ) -> Mask:
     """True where the cylinder stays at rest: no slip, and nothing that makes it roll."""
-    held = np.abs(in_plane_drive_x) <= friction_static * floor_acceleration
-    return held & (in_plane_drive_y == 0) & (floor_acceleration > 0)
+    grips = np.abs(in_plane_drive_x) <= friction_static * floor_acceleration
+    return grips & (in_plane_drive_y == 0) & (floor_acceleration > 0)
 
 
 def roll_root(
@@ -93,44 +93,60 @@ def slip_root(
     along the axis, D_c across it, the floor's force n, all per mass, and kap = m r^2/I. After
     lift-off q = 0 and z = |D|.
     """
-    held = 1 + rolling_factor
-    Dx, Dy = np.abs(along), np.abs(across)
-    rolls: Mask = hypot(along, across / held) <= friction_static * floor_acceleration
+    contact_factor = 1 + rolling_factor
+    push_along, push_across = np.abs(along), np.abs(across)
+    rolls: Mask = hypot(along, across / contact_factor) <= friction_static * floor_acceleration
     rolls = rolls & (floor_acceleration > 0)
     q = friction_kinetic * floor_acceleration
-    magnitude = hypot(Dx, Dy)
+    magnitude = hypot(push_along, push_across)
     slips = ~rolls & (magnitude > 0)
     # Unit scale, so that no power leaves the range of floats.
     scale = np.where(slips, magnitude, 1.0)
-    x = np.where(slips, Dx, 1.0) / scale
-    y, s = np.where(slips, Dy, 0.0) / scale, np.where(slips, q, 0.0) / scale
-    return np.where(slips, slip_share(x, y, s, held) * scale, 0.0)
+    x_fraction = np.where(slips, push_along, 1.0) / scale
+    y_fraction, friction_fraction = (
+        np.where(slips, push_across, 0.0) / scale,
+        np.where(slips, q, 0.0) / scale,
+    )
+    return np.where(
+        slips, slip_share(x_fraction, y_fraction, friction_fraction, contact_factor) * scale, 0.0
+    )
 
 
 @Elementwise
-def slip_share(x: Array, y: Array, s: Array, held: Array | float) -> Array:
-    """Return the root z >= 0 of h(z) = x^2/(z+s)^2 + y^2/(z+held s)^2 = 1, for slips [1].
+def slip_share(x: Array, y: Array, s: Array, contact_factor: Array | float) -> Array:
+    """Return the root z >= 0 of h(z) = x^2/(z+s)^2 + y^2/(z+c s)^2 = 1, for slips [1].
 
     x and y are the shares of the push along and across the axis, x^2 + y^2 = 1, s kinetic friction
-    times load over the push, `held` is 1 + m r^2/I.
+    times load over the push, c = `contact_factor` = 1 + m r^2/I.
 
     1/sqrt(h) is concave and nearly linear in z: its chords to infinity, and those of each term
     alone, lie below the root, and Newton's method climbs from there without safeguard (the secular
     equation of trust-region methods). In place of sqrt(h) - 1 stands 2 (h - 1)/(h + 3), which is
     less and equal up to the third order: a step has one quotient, no root.
     """
-    xx, yy = x * x, y * y
-    z = np.maximum(np.maximum(x - s, y - held * s), np.maximum(1.0 - s * (xx + held * yy), 0.0))
-    steps = SOLID_STEPS if type(held) is float and held <= 1 + SOLID else MAX_STEPS
+    x_squared, y_squared = x * x, y * y
+    z = np.maximum(
+        np.maximum(x - s, y - contact_factor * s),
+        np.maximum(1.0 - s * (x_squared + contact_factor * y_squared), 0.0),
+    )
+    steps = (
+        SOLID_STEPS if type(contact_factor) is float and contact_factor <= 1 + SOLID else MAX_STEPS
+    )
     for _ in range(steps):
-        a, b = z + s, z + held * s
-        aa, bb = a * a, b * b
-        xb, ya, ab = xx * bb, yy * aa, aa * bb
-        h = xb + ya
-        ahead = z + 2.0 * (a * b) * (h - ab) * h / ((3.0 * ab + h) * (xb * b + ya * a))
-        if not np.any(ahead > z):  # a cell that has its root keeps it
+        z_x, z_y = z + s, z + contact_factor * s
+        z_x_squared, z_y_squared = z_x * z_x, z_y * z_y
+        x_term, y_term, both_squared = (
+            x_squared * z_y_squared,
+            y_squared * z_x_squared,
+            z_x_squared * z_y_squared,
+        )
+        h = x_term + y_term
+        next_z = z + 2.0 * (z_x * z_y) * (h - both_squared) * h / (
+            (3.0 * both_squared + h) * (x_term * z_y + y_term * z_x)
+        )
+        if not np.any(next_z > z):  # a cell that has its root keeps it
             break
-        z = np.where(ahead > z, ahead, z)
+        z = np.where(next_z > z, next_z, z)
     return z
 
 
@@ -144,9 +160,9 @@ def across_axis(
     q = mu_k n. Where z = 0 the part rolls with D_c kap/(1 + kap).
     """
     q = friction_kinetic * floor_acceleration
-    more = roll_root + (1 + rolling_factor) * q
-    share = ratio(roll_root + rolling_factor * q, more, rolling_share)
-    return push * np.where(roll_root == 0, rolling_share, share)
+    denominator = roll_root + (1 + rolling_factor) * q
+    slipping_share = ratio(roll_root + rolling_factor * q, denominator, rolling_share)
+    return push * np.where(roll_root == 0, rolling_share, slipping_share)
 
 
 def slipping_acceleration_x(
@@ -277,8 +293,8 @@ class RollingContact(NamedTuple):
         kap/(1 + kap) (|sin(gamma)| - c n - w), with the load n and the wall's friction w; 0 where
         rolling resistance and wall hold the part.
         """
-        left = self.pull - self.resistance * self.load - self.drag
-        return np.asarray(self.share * np.maximum(left, 0.0))
+        excess = self.pull - self.resistance * self.load - self.drag
+        return np.asarray(self.share * np.maximum(excess, 0.0))
 
     @property
     def slipping_down(self) -> Array:
@@ -287,8 +303,8 @@ class RollingContact(NamedTuple):
         |sin(gamma)| - mu_k n - w, with the load n and the wall's friction w; 0 where kinetic
         friction would stop the part.
         """
-        left = self.pull - self.kinetic * self.load - self.drag
-        return np.asarray(np.maximum(left, 0.0))
+        excess = self.pull - self.kinetic * self.load - self.drag
+        return np.asarray(np.maximum(excess, 0.0))
 
     @property
     def unbounded_slip(self) -> Mask:
@@ -297,8 +313,8 @@ class RollingContact(NamedTuple):
         |sin(gamma)| > ((1 + kap) mu_s - kap c) n + w, for c up to mu_s. With a larger c the part
         does not turn.
         """
-        turning = self.factor * np.maximum(self.static - self.resistance, 0.0)
-        return np.asarray(self.pull > (self.static + turning) * self.load + self.drag)
+        rolling_friction = self.factor * np.maximum(self.static - self.resistance, 0.0)
+        return np.asarray(self.pull > (self.static + rolling_friction) * self.load + self.drag)
 
     @property
     def lifts(self) -> Mask:
@@ -317,11 +333,11 @@ class RollingContact(NamedTuple):
         least, most = np.zeros(()), np.zeros(())
         for sign in (1.0, -1.0):  # at the peak of the drive, and opposite
             push, load = sign * self.along - self.uphill, self.load - sign * self.normal
-            carried = np.where(load > 0, load, 1.0)
-            resisted = self.factor * self.resistance + self.drag / carried
-            ends = np.abs(push) / carried
-            least = np.maximum(least, np.where(load > 0, ends - resisted, np.inf))
-            most = np.maximum(most, np.where(load > 0, ends + resisted, np.inf))
+            safe_load = np.where(load > 0, load, 1.0)
+            resistance_share = self.factor * self.resistance + self.drag / safe_load
+            push_over_load = np.abs(push) / safe_load
+            least = np.maximum(least, np.where(load > 0, push_over_load - resistance_share, np.inf))
+            most = np.maximum(most, np.where(load > 0, push_over_load + resistance_share, np.inf))
         return least, most
 
     @property
@@ -332,5 +348,5 @@ class RollingContact(NamedTuple):
     @property
     def surely_slips(self) -> Mask:
         """True where it has too little at some instant of any motion."""
-        enough = (1 + self.factor) * np.maximum(self.static, self.resistance)
-        return np.asarray(self.lifts | (self.traction[0] > enough))
+        available = (1 + self.factor) * np.maximum(self.static, self.resistance)
+        return np.asarray(self.lifts | (self.traction[0] > available))

@@ -51,9 +51,9 @@ def least_friction(push: Array, rolling_factor: Array, floor_acceleration: Array
     D is the push in the floor, n the floor's force, both per mass, kap = m r^2/I; infinite in
     flight.
     """
-    pressed = floor_acceleration > 0
-    needed = np.abs(push) / ((1 + rolling_factor) * np.where(pressed, floor_acceleration, 1.0))
-    return np.where(pressed, needed, np.inf)
+    in_contact = floor_acceleration > 0
+    needed = np.abs(push) / ((1 + rolling_factor) * np.where(in_contact, floor_acceleration, 1.0))
+    return np.where(in_contact, needed, np.inf)
 
 
 def rolls(*, required_friction: Array, friction_static: Array) -> Mask:
@@ -69,8 +69,8 @@ def ball_fraction(
 
     kap/(1 + kap) where it rolls, 1 - mu_k n/|D| where it slips, 1 in flight.
     """
-    slips = 1.0 - friction_kinetic * ratio(floor_acceleration, in_plane_drive, 0.0)
-    return np.where(required_friction <= friction_static, rolling_share, slips)
+    slipping = 1.0 - friction_kinetic * ratio(floor_acceleration, in_plane_drive, 0.0)
+    return np.where(required_friction <= friction_static, rolling_share, slipping)
 
 
 def ball_spin(
@@ -85,8 +85,8 @@ def ball_spin(
     """
     slipping = rolling_factor * friction_kinetic * floor_acceleration
     rolling_rim = rolling_share * in_plane_drive
-    rim = np.where(required_friction <= friction_static, rolling_rim, slipping)
-    return rim / (diameter / 2)
+    rim_acceleration = np.where(required_friction <= friction_static, rolling_rim, slipping)
+    return rim_acceleration / (diameter / 2)
 
 
 # --- a roller, tube or ring: rolls across its axis, slides along it
@@ -184,8 +184,8 @@ def roller_spin(
     slipping = (
         rolling_factor * q * ratio(push_across_axis, roll_root + (1 + rolling_factor) * q, 0.0)
     )
-    rim = np.where(roll_root == 0, rolling_share * push_across_axis, slipping)
-    return rim / (diameter / 2)
+    rim_acceleration = np.where(roll_root == 0, rolling_share * push_across_axis, slipping)
+    return rim_acceleration / (diameter / 2)
 
 
 # --- a truncated cone on its side: rolls about the vertical through its apex
@@ -212,8 +212,8 @@ def axial_gyration(*, diameter: Array, small_diameter: Array) -> Array:
     k^2 = 3 R1^2 (1 + r + r^2 + r^3 + r^4)/(10 (1 + r + r^2)), r = R2/R1 of the radii of its ends.
     """
     r = small_diameter / diameter
-    turning = 3 * (1 + r * (1 + r * (1 + r * (1 + r)))) / (10 * (1 + r * (1 + r)))
-    return diameter / 2 * np.sqrt(turning)
+    radius_factor = 3 * (1 + r * (1 + r * (1 + r * (1 + r)))) / (10 * (1 + r * (1 + r)))
+    return diameter / 2 * np.sqrt(radius_factor)
 
 
 def cone_factor(
@@ -226,9 +226,9 @@ def cone_factor(
     rho^2/(rho^2 + I_ax + I_t tan(a)^2), I_ax along the axis, I_t across it. 2/3 for a solid
     cylinder.
     """
-    turning = hypot(axial_gyration, gyration * np.tan(cone_half_angle))
-    through = hypot(centre_radius, turning)
-    return np.square(centre_radius / through)
+    contact_gyration = hypot(axial_gyration, gyration * np.tan(cone_half_angle))
+    contact_radius = hypot(centre_radius, contact_gyration)
+    return np.square(centre_radius / contact_radius)
 
 
 def cone_acceleration(*, push_across_axis: Array, cone_factor: Array) -> Array:
@@ -244,8 +244,8 @@ def cone_turning(
     l is the distance of the centre from the apex, a the half angle; 0 for a cylinder, whose apex is
     far.
     """
-    apart = centre_radius * cosine(cone_half_angle)  # l cos(a) = rho cos(a)/tan(a)
-    return rolling_acceleration * np.tan(cone_half_angle) / apart
+    scaled_radius = centre_radius * cosine(cone_half_angle)  # l cos(a) = rho cos(a)/tan(a)
+    return rolling_acceleration * np.tan(cone_half_angle) / scaled_radius
 
 
 def cone_friction(
@@ -275,8 +275,8 @@ def net_push(*, in_plane_drive_x: Array, wall_friction: Array, wall_acceleration
     D is drive and gravity along x, s the wall's force, both per mass, mu_w the wall's friction. 0
     where that holds the disc.
     """
-    left = np.maximum(np.abs(in_plane_drive_x) - wall_friction * wall_acceleration, 0.0)
-    return np.where(in_plane_drive_x < 0, -left, left)
+    excess = np.maximum(np.abs(in_plane_drive_x) - wall_friction * wall_acceleration, 0.0)
+    return np.where(in_plane_drive_x < 0, -excess, excess)
 
 
 def is_held(*, net_push: Array) -> Mask:

@@ -79,10 +79,10 @@ def reduce_screw(resultant: Array, moment: Array) -> ScrewReduction:
     m, m_exponent = _scaled(M)
     has_force = np.any(F != 0, axis=-1)
     square = np.where(has_force, dot(f, f), 1.0)
-    back = m_exponent - f_exponent
+    exponent_change = m_exponent - f_exponent
     with np.errstate(over="ignore", under="ignore"):
-        pitch = np.ldexp(dot(f, m) / square, back)
-        axis = np.ldexp(np.cross(f, m) / square[..., None], back[..., None])
+        pitch = np.ldexp(dot(f, m) / square, exponent_change)
+        axis = np.ldexp(np.cross(f, m) / square[..., None], exponent_change[..., None])
     return ScrewReduction(
         np.where(has_force, pitch, np.nan), np.where(has_force[..., None], axis, np.nan), has_force
     )
@@ -211,7 +211,7 @@ def floor_wrench(
     M_z, then what turns the spin phi' with the yaw rate theta', I3 = m r^2/2.
     """
     force = vector(floor_force, -rolling_friction, -axial_friction)
-    precession = _turning_of_spin(mass, diameter, spin_rate, yaw_rate)
+    precession = _precession_moment(mass, diameter, spin_rate, yaw_rate)
     return Wrench(force, vector(drilling_moment, precession, diameter / 2 * rolling_friction))
 
 
@@ -230,9 +230,9 @@ def force_wrench(
     In the axes n, eta, sigma; drive and gravity act at the centre. What (4.15) to (4.17) cancel is
     left out instead of subtracted: along n nothing remains, along sigma m r phi' theta'.
     """
-    turning = mass * (diameter / 2) * spin_rate * yaw_rate
-    force = vector(np.zeros(()), mass * rolling_drive * (2 / 3), turning)
-    precession = _turning_of_spin(mass, diameter, spin_rate, yaw_rate)
+    axial_force = mass * (diameter / 2) * spin_rate * yaw_rate
+    force = vector(np.zeros(()), mass * rolling_drive * (2 / 3), axial_force)
+    precession = _precession_moment(mass, diameter, spin_rate, yaw_rate)
     return Wrench(force, vector(drilling_moment, precession, diameter / 2 * rolling_friction))
 
 
@@ -243,8 +243,8 @@ def reduction(*, wrench: Wrench) -> ScrewReduction:
 
 def printed_reduction(*, wrench: Wrench) -> ScrewReduction:
     """Return pitch and axis of a wrench with the sign of (4.3), (4.5), (4.6)."""
-    found = reduce_screw(wrench.force, wrench.moment)
-    return replace(found, axis_point=-found.axis_point)
+    reduced = reduce_screw(wrench.force, wrench.moment)
+    return replace(reduced, axis_point=-reduced.axis_point)
 
 
 def slips(
@@ -272,6 +272,6 @@ def has_no_force_axis(*, force_reduction: ScrewReduction) -> Mask:
     return ~force_reduction.has_axis
 
 
-def _turning_of_spin(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: Array) -> Array:
+def _precession_moment(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: Array) -> Array:
     # Moment about eta that turns the spin, -I3 theta' phi', I3 = m r^2/2 [N m].
     return -mass * np.square(diameter) / 8 * spin_rate * yaw_rate

@@ -52,25 +52,33 @@ def transport_velocity(
     v^2 = v0^2 exp(-s) + 2 K x phi(s), with s = 2 mu x/R, phi(s) = (1 - exp(-s))/s; 0 where the part
     does not start, or stops before.
     """
-    carried, gained = _speeds(starting_acceleration, friction_kinetic, radius, distance, speed)
+    carried, gained = _carried_and_gained(
+        starting_acceleration, friction_kinetic, radius, distance, speed
+    )
     from_rest, grows = carried == 0, starting_acceleration > 0  # from rest one root is enough
-    joined = _joined(carried, gained, grows)
-    return np.where(from_rest, np.where(grows, gained, 0.0), joined)
+    moving = _speed_from_squares(carried, gained, grows)
+    return np.where(from_rest, np.where(grows, gained, 0.0), moving)
 
 
-def _joined(carried: Array, gained: Array, grows: Mask) -> Array:
+def _speed_from_squares(carried: Array, gained: Array, grows: Mask) -> Array:
     # sqrt(c^2 + g^2) where it grows, else sqrt(c^2 - g^2), or 0 for c < g. One root for both, of
     # 1 + r^2 or (1 - r)(1 + r), r the ratio of the less to the greater: no overflow, and no
     # cancellation of squares near the stop.
     is_less = gained < carried
-    most, least = np.where(is_less, carried, gained), np.where(is_less, gained, carried)
-    scale = np.where(most > 0, most, 1.0)
-    share = least / scale
-    lost = np.maximum(0.0, carried - gained) / scale
-    return most * np.sqrt(np.where(grows, 1.0 + share * share, lost * (1.0 + share)))
+    larger, smaller = np.where(is_less, carried, gained), np.where(is_less, gained, carried)
+    scale = np.where(larger > 0, larger, 1.0)
+    smaller_over_larger = smaller / scale
+    difference = np.maximum(0.0, carried - gained) / scale
+    return larger * np.sqrt(
+        np.where(
+            grows,
+            1.0 + smaller_over_larger * smaller_over_larger,
+            difference * (1.0 + smaller_over_larger),
+        )
+    )
 
 
-def _speeds(
+def _carried_and_gained(
     K: Array, friction: Array, radius: Array, distance: Array, speed: Array
 ) -> tuple[Array, Array]:
     # v0 exp(-s/2) and sqrt(2 |K| x phi(s)), what starting speed and |K| give the later speed.
@@ -87,9 +95,9 @@ def terminal_velocity(
     K is the acceleration at zero speed, mu the friction, R the bowl's radius. Infinite (regime
     `unbounded`) without friction.
     """
-    drive = np.sqrt(np.maximum(0.0, starting_acceleration))
-    bound = ratio(np.sqrt(radius), np.sqrt(friction_kinetic), np.inf)
-    return np.where(drive > 0, drive, 1.0) * np.where(drive > 0, bound, 0.0)
+    root_K = np.sqrt(np.maximum(0.0, starting_acceleration))
+    root_R_over_mu = ratio(np.sqrt(radius), np.sqrt(friction_kinetic), np.inf)
+    return np.where(root_K > 0, root_K, 1.0) * np.where(root_K > 0, root_R_over_mu, 0.0)
 
 
 def travel_time(
@@ -122,7 +130,7 @@ def _short_time(
     # Half of the arc has the tangent k p, p = x phi(s/2)/(v + v0 exp(-s/2)), and the time is 2 p
     # times the `arc_series` of (mu/R) K p^2. From rest K cancels, and that is tanh(s/4).
     decay = np.exp(-s / 2)
-    p, arrives = _quotient(distance * expm1_quotient(s / 2), v, v + v0 * decay, distance)
+    p, arrives = _time_quotient(distance * expm1_quotient(s / 2), v, v + v0 * decay, distance)
     from_rest = -np.expm1(-s / 2) / (1 + decay)
     square = np.where(v0 == 0, from_rest, friction / radius * p * (K * p))
     return np.where(arrives, 2.0 * p * arc_series(square), np.inf)
@@ -133,25 +141,30 @@ def _long_time(
 ) -> Array:
     # q times the `arc_quotient` of (mu/R) K q^2, whose root is exp(-s/2) (v + v0)/(v + v0 exp(-s)).
     # From rest K cancels, and (mu/R) K q^2 = 1 - exp(-s).
-    from_rest, goes = v0 == 0, distance > 0
-    way = 2 * distance * expm1_quotient(s)
-    q, arrives = _quotient(way, v, v + v0 * np.exp(-s), distance)
+    from_rest, has_distance = v0 == 0, distance > 0
+    twice_faded_distance = 2 * distance * expm1_quotient(s)
+    q, arrives = _time_quotient(twice_faded_distance, v, v + v0 * np.exp(-s), distance)
     # Past LONG_WAY the exponential would underflow, and what was carried is long gone.
     square, root = -np.expm1(-s), np.exp(-np.minimum(s, LONG_WAY) / 2)
     if np.any(~from_rest):  # else both stay on the small grid of their own
-        moving = root / np.where(goes, way, 1.0) * ((v + v0) * q)
+        root_in_motion = root / np.where(has_distance, twice_faded_distance, 1.0) * ((v + v0) * q)
         square = np.where(from_rest, square, friction / radius * q * (K * q))
-        root = np.where(from_rest, root, moving)
-    late = np.where(square > LOGARITHMIC, np.maximum(0.0, s - LONG_WAY) / 2, 0.0)
-    return np.where(arrives, q * (arc_quotient(square, root) + late), np.inf)
+        root = np.where(from_rest, root, root_in_motion)
+    beyond_long_way = np.where(square > LOGARITHMIC, np.maximum(0.0, s - LONG_WAY) / 2, 0.0)
+    return np.where(arrives, q * (arc_quotient(square, root) + beyond_long_way), np.inf)
 
 
-def _quotient(way: Array, speed: Array, pace: Array, distance: Array) -> tuple[Array, Mask]:
-    goes = distance > 0
+def _time_quotient(
+    numerator: Array, speed: Array, denominator: Array, distance: Array
+) -> tuple[Array, Mask]:
+    # numerator/denominator, and True where it is finite: the part moves on and arrives.
+    has_distance = distance > 0
     with np.errstate(over="ignore", divide="ignore"):
-        q = np.where(goes, way, 0.0) / np.where(goes, np.where(speed > 0, pace, 0.0), 1.0)
-    arrives = np.isfinite(q)
-    return np.where(arrives, q, 0.0), arrives
+        quotient = np.where(has_distance, numerator, 0.0) / np.where(
+            has_distance, np.where(speed > 0, denominator, 0.0), 1.0
+        )
+    arrives = np.isfinite(quotient)
+    return np.where(arrives, quotient, 0.0), arrives
 
 
 def mean_velocity(
@@ -169,9 +182,9 @@ def mean_velocity(
     the speeds at start and end instead.
     """
     s = _damping(friction_kinetic, radius, distance)
-    creeping = (transport_velocity + speed * np.exp(-s)) / (2 * expm1_quotient(s))
+    from_speeds = (transport_velocity + speed * np.exp(-s)) / (2 * expm1_quotient(s))
     mean = ratio(distance, travel_time, speed)
-    return np.where(np.isinf(travel_time) & (transport_velocity > 0), creeping, mean)
+    return np.where(np.isinf(travel_time) & (transport_velocity > 0), from_speeds, mean)
 
 
 def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Array:
@@ -192,14 +205,16 @@ def stopping_distance(
     y = _speed_ratio(K, friction_kinetic, radius, speed)
     fast = y > 1
     slow = (K < 0) & ~fast
-    root = np.where(slow, speed, 0.0) / np.sqrt(np.where(slow, -K, 1.0))
+    root_energy = np.where(slow, speed, 0.0) / np.sqrt(np.where(slow, -K, 1.0))
     with np.errstate(over="ignore"):  # beyond the floats it is infinite
-        near = root * root / 2 * over_itself(np.log1p, np.square(np.where(fast, 0.0, y)))
-    large = np.where(fast, y, 1.0)
-    scale = ratio(np.where(fast, radius, 0.0), friction_kinetic, 0.0)
-    far = scale * (np.log(large) + np.log1p(np.square(1 / large)) / 2)
+        from_y = (
+            root_energy * root_energy / 2 * over_itself(np.log1p, np.square(np.where(fast, 0.0, y)))
+        )
+    y_above_1 = np.where(fast, y, 1.0)
+    R_over_mu = ratio(np.where(fast, radius, 0.0), friction_kinetic, 0.0)
+    from_logarithm = R_over_mu * (np.log(y_above_1) + np.log1p(np.square(1 / y_above_1)) / 2)
     at_rest = (K == 0) & (speed == 0)
-    return np.where(K < 0, np.where(fast, far, near), np.where(at_rest, 0.0, np.inf))
+    return np.where(K < 0, np.where(fast, from_logarithm, from_y), np.where(at_rest, 0.0, np.inf))
 
 
 def stopping_time(
@@ -215,12 +230,14 @@ def stopping_time(
     fast = y > 1
     slow = (K < 0) & ~fast
     with np.errstate(over="ignore"):  # beyond the floats it is infinite
-        free = np.where(slow, speed, 0.0) / np.where(slow, -K, 1.0)
+        frictionless_time = np.where(slow, speed, 0.0) / np.where(slow, -K, 1.0)
         angle = np.where(fast, np.arctan(y), 0.0)
-        far = ratio(angle, _rate(K, friction_kinetic, radius), np.inf)
-    near = free * over_itself(np.arctan, np.where(fast, 0.0, y))
+        from_angle = ratio(angle, _rate(K, friction_kinetic, radius), np.inf)
+    from_quotient = frictionless_time * over_itself(np.arctan, np.where(fast, 0.0, y))
     at_rest = (K == 0) & (speed == 0)
-    return np.where(K < 0, np.where(fast, far, near), np.where(at_rest, 0.0, np.inf))
+    return np.where(
+        K < 0, np.where(fast, from_angle, from_quotient), np.where(at_rest, 0.0, np.inf)
+    )
 
 
 def velocity_at_time(
@@ -267,21 +284,21 @@ def distance_at_time(
     k = _rate(K, friction_kinetic, radius)
     u = t * k
     forward = K > 0
-    large = forward & (u > LARGE_PHASE)
+    is_late = forward & (u > LARGE_PHASE)
     # Arguments outside a branch are replaced: no overflow, no warning.
-    small_forward = np.where(forward & ~large, u, 0.0)
+    small_forward = np.where(forward & ~is_late, u, 0.0)
     braking = np.where(forward, 0.0, u)
     from_speed = v0 * t * over_itself(np.sin, braking) * over_itself(np.sinh, small_forward)
-    half = over_itself(np.sin, braking / 2) * over_itself(np.sinh, small_forward / 2)
-    from_drive = K * t * t / 2 * half * half
+    half_angle = over_itself(np.sin, braking / 2) * over_itself(np.sinh, small_forward / 2)
+    from_drive = K * t * t / 2 * half_angle * half_angle
     straight = from_speed + from_drive
-    z = np.where(large, 0.0, straight * (friction_kinetic / radius))
-    near = straight * over_itself(np.log1p, z)
+    z = np.where(is_late, 0.0, straight * (friction_kinetic / radius))
+    early = straight * over_itself(np.log1p, z)
     y0 = ratio(k * v0, np.abs(K), 0.0)
-    far_phase = np.where(large, u, 1.0)
-    settled = np.log1p((np.where(large, y0, 1.0) - 1.0) * (-np.expm1(-2 * far_phase)) / 2)
-    far = K * np.square(t / far_phase) * (far_phase + settled)
-    return np.where(moving, np.where(large, far, near), stopping_distance)
+    late_phase = np.where(is_late, u, 1.0)
+    beyond_phase = np.log1p((np.where(is_late, y0, 1.0) - 1.0) * (-np.expm1(-2 * late_phase)) / 2)
+    late = K * np.square(t / late_phase) * (late_phase + beyond_phase)
+    return np.where(moving, np.where(is_late, late, early), stopping_distance)
 
 
 def suggested_distance(*, amplitude: Array, alpha: Array, beta: Array) -> Array:
@@ -304,10 +321,12 @@ def distance_bound(
     """
     K = starting_acceleration
     starts = K > 0
-    free = np.square(velocity_bound) / (2 * np.where(starts, K, 1.0))
-    z = 2 * free * friction_kinetic / radius
-    reached = starts & (z < 1)
-    return np.where(reached, free * over_itself(np.log1p, -np.where(reached, z, 0.0)), np.inf)
+    frictionless = np.square(velocity_bound) / (2 * np.where(starts, K, 1.0))
+    z = 2 * frictionless * friction_kinetic / radius
+    is_reached = starts & (z < 1)
+    return np.where(
+        is_reached, frictionless * over_itself(np.log1p, -np.where(is_reached, z, 0.0)), np.inf
+    )
 
 
 def does_not_start(*, starting_acceleration: Array, speed: Array) -> Mask:
@@ -328,7 +347,7 @@ def stops_before_distance(
     It is `stopping_distance` compared with the distance, without its logarithm.
     """
     K = starting_acceleration
-    carried, gained = _speeds(K, friction_kinetic, radius, distance, speed)
+    carried, gained = _carried_and_gained(K, friction_kinetic, radius, distance, speed)
     return (speed > 0) & (K < 0) & (carried <= gained)
 
 

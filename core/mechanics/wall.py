@@ -135,8 +135,8 @@ def chord_cosine(*, length: Array, radius: Array) -> Array:
     straight part touches a curved wall with its ends; NaN where it is longer than 2R.
     """
     fits = length <= 2 * radius
-    half = np.where(fits, length / 2, radius)
-    cosine = np.sqrt((radius - half) * (radius + half)) / radius
+    half_length = np.where(fits, length / 2, radius)
+    cosine = np.sqrt((radius - half_length) * (radius + half_length)) / radius
     return np.where(fits, cosine, np.nan)
 
 
@@ -153,8 +153,8 @@ def wall_force_front(
     S is the sum of the wall's forces, h and a length and width of the part, c `chord_cosine`. NaN
     where the corners do not fit.
     """
-    share = (length + friction_kinetic * width) / length
-    return ratio(wall_force, 2 * chord_cosine, np.nan) * share
+    lever_ratio = (length + friction_kinetic * width) / length
+    return ratio(wall_force, 2 * chord_cosine, np.nan) * lever_ratio
 
 
 def wall_force_rear(
@@ -165,8 +165,8 @@ def wall_force_rear(
     S is the sum of the wall's forces, h and a length and width of the part, c `chord_cosine`. NaN
     where the corners do not fit.
     """
-    share = (length - friction_kinetic * width) / length
-    return ratio(wall_force, 2 * chord_cosine, np.nan) * share
+    lever_ratio = (length - friction_kinetic * width) / length
+    return ratio(wall_force, 2 * chord_cosine, np.nan) * lever_ratio
 
 
 def derived_wall_speed(*, drive_across: Array, gravity_across: Array, radius: Array) -> Array:
@@ -243,10 +243,10 @@ def held_pressure_offset_x(
         speed=speed,
     )
     forward = (speed > 0) | (in_plane_drive_x > 0)
-    sliding = np.where(forward, friction_kinetic, -friction_kinetic)
-    held = ratio(np.where(stuck, in_plane_drive_x, 0.0), np.where(stuck, load, 1.0), 0.0)
-    share = np.where(stuck, held, sliding)
-    return np.where(floor_acceleration > 0, height / 2 * share, np.nan)
+    in_slip = np.where(forward, friction_kinetic, -friction_kinetic)
+    in_stick = ratio(np.where(stuck, in_plane_drive_x, 0.0), np.where(stuck, load, 1.0), 0.0)
+    friction_over_load = np.where(stuck, in_stick, in_slip)
+    return np.where(floor_acceleration > 0, height / 2 * friction_over_load, np.nan)
 
 
 def is_held(

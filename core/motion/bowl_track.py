@@ -110,21 +110,22 @@ def track_of(names: Iterable[str], *, of_bowl: bool) -> tuple[Track | None, list
         stem: tuple(sorted(int(match[2]) for match in matches if match[1] == stem))
         for stem in OF_STRETCHES
     }
-    count = max(n for which in own.values() for n in which)
+    count = max(n for numbers in own.values() for n in numbers)
     problems = [*_problems(own, count, parameters)]
     if not of_bowl:
-        alone = Problem(
+        no_bowl = Problem(
             f"parameters.{matches[0][0]}",
             "stretches of the track are used only with the drive unit of a bowl",
             "Add its parameters: spring_radius, moving_inertia and base_inertia",
         )
-        problems.insert(0, alone)
+        problems.insert(0, no_bowl)
     return (None if problems else Track(count, own)), problems
 
 
 def _problems(
     own: Mapping[str, Sequence[int]], count: int, names: Collection[str]
 ) -> Iterator[Problem]:
+    # Missing numbers of stretches, then parameters that the stretches replace.
     for stem in ("stretch_turns", "stretch_radius"):
         for n in range(1, count + 1):
             if n not in own[stem]:
@@ -150,20 +151,22 @@ def _problems(
                 )
 
 
-def in_pieces(of_cells: Callable[..., Any], known: Mapping[str, Any], step: int) -> Any:
+def in_pieces(of_cells: Callable[..., Any], quantities: Mapping[str, Any], step: int) -> Any:
     """Return a record of arrays over cells, computed for at most `step` cells together.
 
     `of_cells` takes quantities by name, shape (cells,), and returns a named tuple of such arrays.
     """
-    columns = np.broadcast_arrays(*(np.asarray(value, dtype=float) for value in known.values()))
+    columns = np.broadcast_arrays(
+        *(np.asarray(value, dtype=float) for value in quantities.values())
+    )
     shape = columns[0].shape
-    flat = {name: column.ravel() for name, column in zip(known, columns, strict=True)}
+    flat = {name: column.ravel() for name, column in zip(quantities, columns, strict=True)}
     pieces = [
-        of_cells({name: values[at : at + step] for name, values in flat.items()})
-        for at in range(0, columns[0].size, step)
+        of_cells({name: values[start : start + step] for name, values in flat.items()})
+        for start in range(0, columns[0].size, step)
     ]
-    parts = (np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True))
-    return pieces[0]._make(parts)
+    joined = (np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True))
+    return pieces[0]._make(joined)
 
 
 # --- equations
@@ -206,26 +209,30 @@ def slowness(first: Array, last: Array) -> Array:
     ln(v_2/v_1)/(v_2 - v_1) [s m-1] for a velocity v that is linear between both, with v_1 = `first`
     and v_2 = `last` [m s-1]. Infinite if one of both is not above 0, NaN if one has no value.
     """
-    moves = (first > 0.0) & (last > 0.0)
-    v = np.where(moves, first, 1.0)
-    x = np.where(moves, last - first, 0.0) / v
-    small = np.abs(x) < SMALL
-    share = np.where(small, 1.0 - x / 2.0 + x * x / 3.0, np.log1p(x) / np.where(small, 1.0, x))
-    held = np.where(np.isnan(first + last), np.nan, np.inf)
-    return np.where(moves, share / v, held)
+    is_moving = (first > 0.0) & (last > 0.0)
+    first_speed = np.where(is_moving, first, 1.0)
+    relative_change = np.where(is_moving, last - first, 0.0) / first_speed
+    is_small = np.abs(relative_change) < SMALL
+    factor = np.where(
+        is_small,
+        1.0 - relative_change / 2.0 + relative_change * relative_change / 3.0,
+        np.log1p(relative_change) / np.where(is_small, 1.0, relative_change),
+    )
+    otherwise = np.where(np.isnan(first + last), np.nan, np.inf)
+    return np.where(is_moving, factor / first_speed, otherwise)
 
 
 class Speeds(NamedTuple):
     """Mean velocities along stretches of tracks; arrays of one shape (n,).
 
     The nodes of a cell follow each other, from the start of the track to its exit: `stretch` counts
-    from 0, `at` is a share of its `length` [m]. Mean `velocity`, NaN where there is none, and its
-    own `error` [m s-1]; throw number, and periods after which the motion repeats.
+    from 0, `fraction` is that of its `length` [m]. Mean `velocity`, NaN where there is none, and
+    its own `error` [m s-1]; throw number, and periods after which the motion repeats.
     """
 
     cell: NDArray[np.intp]
     stretch: NDArray[np.intp]
-    at: Array
+    fraction: Array
     length: Array
     velocity: Array
     error: Array
@@ -237,17 +244,17 @@ class Intervals(NamedTuple):
     """Times and least velocities between neighbouring nodes of `Speeds`; arrays of one shape (n,).
 
     An interval belongs to the node at its start; those that lead to another stretch or cell have no
-    length, and take no time. `width` is a share of the stretch, `time` that of a part [s]; `late`
-    is what a bend of the velocity between the nodes may add, `later` with their own errors; `lower`
-    the least velocity that such a bend leaves possible, `lowest` with those errors [m s-1].
+    length, and take no time. `width` is a share of the stretch, `time` that of a part [s]; `delay`
+    is what a bend of the velocity between the nodes may add, `least` the least velocity that it
+    leaves possible [m s-1]; those `with_errors` also count the velocities' own.
     """
 
     width: Array
     time: Array
-    late: Array
-    later: Array
-    lower: Array
-    lowest: Array
+    delay: Array
+    delay_with_errors: Array
+    least: Array
+    least_with_errors: Array
 
 
 def intervals_of(speeds: Speeds) -> Intervals:
@@ -258,30 +265,40 @@ def intervals_of(speeds: Speeds) -> Intervals:
     kink, eight times as far as a parabola. Nor is the velocity below those of both neighbours'
     lines, which counts where it jumps. Of D is taken off what the velocities' own errors explain.
     """
-    v, error = speeds.velocity, speeds.error
-    joined = (np.diff(speeds.cell) == 0) & (np.diff(speeds.stretch) == 0)
-    width = np.where(joined, np.diff(speeds.at), 0.0)
-    way = width * speeds.length[1:]
-    slope = np.diff(v) / np.where(joined, way, 1.0)
-    beside = joined[1:] & joined[:-1]
-    before = np.append(np.nan, np.where(beside, slope[:-1], np.nan))
-    after = np.append(np.where(beside, slope[1:], np.nan), np.nan)
-    doubt = np.fmax(error[1:], error[:-1])
-    bend = np.fmin(np.abs(slope - before), np.abs(slope - after)) * way
-    bend = np.fmax(bend - 3.0 * doubt, 0.0)
+    velocity, error = speeds.velocity, speeds.error
+    is_interval = (np.diff(speeds.cell) == 0) & (np.diff(speeds.stretch) == 0)
+    width = np.where(is_interval, np.diff(speeds.fraction), 0.0)
+    distance = width * speeds.length[1:]
+    slope = np.diff(velocity) / np.where(is_interval, distance, 1.0)
+    are_neighbours = is_interval[1:] & is_interval[:-1]
+    slope_before = np.append(np.nan, np.where(are_neighbours, slope[:-1], np.nan))
+    slope_after = np.append(np.where(are_neighbours, slope[1:], np.nan), np.nan)
+    own_error = np.fmax(error[1:], error[:-1])
+    bend = np.fmin(np.abs(slope - slope_before), np.abs(slope - slope_after)) * distance
+    bend = np.fmax(bend - 3.0 * own_error, 0.0)
 
-    def time(lower: Array | float) -> Array:
-        return np.where(joined, way * slowness(v[:-1] - lower, v[1:] - lower), 0.0)
+    def time(least: Array | float) -> Array:
+        return np.where(
+            is_interval, distance * slowness(velocity[:-1] - least, velocity[1:] - least), 0.0
+        )
 
     with np.errstate(invalid="ignore"):  # of times that are infinite
-        taken = time(0.0)
-        late, later = time(bend / 2.0) - taken, time(bend / 2.0 + doubt) - taken
-    lines = v[:-1] + np.fmin(before * way, 0.0), v[1:] - np.fmax(after * way, 0.0)
-    lower = np.fmax(np.minimum(v[:-1], v[1:]) - bend, np.minimum(*lines))
-    lower = np.where(joined, lower, np.inf)
-    ends = ((0.0, width), (0.0, taken), (0.0, late), (0.0, later))
-    lows = ((np.inf, lower), (np.inf, lower - doubt))
-    return Intervals._make(np.append(values, end) for end, values in (*ends, *lows))
+        duration = time(0.0)
+        delay, delay_with_errors = (
+            time(bend / 2.0) - duration,
+            time(bend / 2.0 + own_error) - duration,
+        )
+    extended = (
+        velocity[:-1] + np.fmin(slope_before * distance, 0.0),
+        velocity[1:] - np.fmax(slope_after * distance, 0.0),
+    )
+    least = np.fmax(np.minimum(velocity[:-1], velocity[1:]) - bend, np.minimum(*extended))
+    least = np.where(is_interval, least, np.inf)
+    fields_from_0 = ((0.0, width), (0.0, duration), (0.0, delay), (0.0, delay_with_errors))
+    fields_from_inf = ((np.inf, least), (np.inf, least - own_error))
+    return Intervals._make(
+        np.append(values, end) for end, values in (*fields_from_0, *fields_from_inf)
+    )
 
 
 @dataclass(frozen=True)
@@ -308,79 +325,107 @@ class AlongTrack:
         From the quantities of `needs` by name; the cells are followed in pieces of `PIECE` motions.
         """
         settings = {name: inputs[name] for name in self.needs if name in SETTINGS}
-        known = {name: inputs[name] for name in self.needs if name not in settings}
+        quantities = {name: inputs[name] for name in self.needs if name not in settings}
         of_cells = partial(self._of_cells, settings)
         step = max(1, PIECE // (self.track.count * (PARTS + 1)))
-        return in_pieces(of_cells, known, step)
+        return in_pieces(of_cells, quantities, step)
 
-    def _of_cells(self, settings: dict[str, Any], known: dict[str, Array]) -> Passage:
-        cells, count = len(known["start_radius"]), self.track.count
-        x = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
-        cell, stretch = np.divmod(np.repeat(np.arange(cells * count), len(x)), count)
-        speeds = self._speeds(known, settings, cell, stretch, np.tile(x, cells * count))
+    def _of_cells(self, settings: dict[str, Any], quantities: dict[str, Array]) -> Passage:
+        # Nodes at equal distances first; then intervals that are not resolved are halved, until
+        # none is left. Of each cell the times add up, and the slowest node is the bottleneck.
+        cells, count = len(quantities["start_radius"]), self.track.count
+        node_fractions = np.clip(np.linspace(0.0, 1.0, PARTS + 1), INSIDE, 1.0 - INSIDE)
+        cell, stretch = np.divmod(np.repeat(np.arange(cells * count), len(node_fractions)), count)
+        speeds = self._speeds(
+            quantities, settings, cell, stretch, np.tile(node_fractions, cells * count)
+        )
         for _ in range(HALVINGS):
-            near = np.flatnonzero(self._doubtful(speeds))
-            if not near.size:
+            unresolved = np.flatnonzero(self._needs_halving(speeds))
+            if not unresolved.size:
                 break
-            middle = 0.5 * (speeds.at[near] + speeds.at[near + 1])
-            more = self._speeds(known, settings, speeds.cell[near], speeds.stretch[near], middle)
+            middle = 0.5 * (speeds.fraction[unresolved] + speeds.fraction[unresolved + 1])
+            middles = self._speeds(
+                quantities, settings, speeds.cell[unresolved], speeds.stretch[unresolved], middle
+            )
             speeds = Speeds._make(
-                np.insert(old, near + 1, new) for old, new in zip(speeds, more, strict=True)
+                np.insert(old, unresolved + 1, new)
+                for old, new in zip(speeds, middles, strict=True)
             )
         intervals, start = intervals_of(speeds), np.flatnonzero(np.diff(speeds.cell, prepend=-1))
-        time, later = (np.add.reduceat(one, start) for one in (intervals.time, intervals.later))
-        least = np.minimum.reduceat(speeds.velocity, start)  # NaN is least of all
-        lowest = np.minimum.reduceat(intervals.lowest, start)
-        is_least = np.isnan(speeds.velocity) | (speeds.velocity == least[speeds.cell])
-        hits = np.flatnonzero(is_least)
-        slowest = hits[np.unique(speeds.cell[hits], return_index=True)[1]]
-        stretches, fraction = self._location(
-            known, speeds.cell[slowest], speeds.stretch[slowest], speeds.at[slowest]
+        time, delay = (
+            np.add.reduceat(durations, start)
+            for durations in (intervals.time, intervals.delay_with_errors)
         )
-        unknown = np.isnan(least)
+        least = np.minimum.reduceat(speeds.velocity, start)  # NaN is least of all
+        lowest = np.minimum.reduceat(intervals.least_with_errors, start)
+        is_least = np.isnan(speeds.velocity) | (speeds.velocity == least[speeds.cell])
+        least_nodes = np.flatnonzero(is_least)
+        slowest = least_nodes[np.unique(speeds.cell[least_nodes], return_index=True)[1]]
+        stretches, fraction = self._location(
+            quantities, speeds.cell[slowest], speeds.stretch[slowest], speeds.fraction[slowest]
+        )
+        has_no_velocity = np.isnan(least)
         return Passage(
             time=np.where(least <= 0.0, np.inf, time),
-            time_error=np.where(least <= 0.0, 0.0, later),
+            time_error=np.where(least <= 0.0, 0.0, delay),
             slowest=least,
             slowest_error=least - lowest,
-            fraction=np.where(unknown, np.nan, fraction),
-            radius=np.where(unknown, np.nan, radius_at(fraction, stretches)),
+            fraction=np.where(has_no_velocity, np.nan, fraction),
+            radius=np.where(has_no_velocity, np.nan, radius_at(fraction, stretches)),
         )
 
     def _location(
-        self, known: dict[str, Array], cell: NDArray[np.intp], stretch: NDArray[np.intp], at: Array
+        self,
+        quantities: dict[str, Array],
+        cell: NDArray[np.intp],
+        stretch: NDArray[np.intp],
+        at: Array,
     ) -> tuple[Stretches, Array]:
-        stretches = self.track.stretches(**{name: known[name][cell] for name in self.track.inputs})
-        ends, rows = np.stack(bounds(stretches)), np.arange(len(cell))
-        low, high = ends[stretch, rows], ends[stretch + 1, rows]
-        return stretches, low + (high - low) * at
+        # The stretches of the given nodes, and the share of the track's length at which each lies:
+        # `at` is a share of its stretch.
+        stretches = self.track.stretches(
+            **{name: quantities[name][cell] for name in self.track.inputs}
+        )
+        stretch_bounds, rows = np.stack(bounds(stretches)), np.arange(len(cell))
+        stretch_start, stretch_end = (
+            stretch_bounds[stretch, rows],
+            stretch_bounds[stretch + 1, rows],
+        )
+        return stretches, stretch_start + (stretch_end - stretch_start) * at
 
     def _speeds(
-        self, known: dict[str, Array], settings: dict[str, Any], cell: NDArray[np.intp],
+        self, quantities: dict[str, Array], settings: dict[str, Any], cell: NDArray[np.intp],
         stretch: NDArray[np.intp], at: Array,
     ) -> Speeds:  # fmt: skip
-        stretches, fraction = self._location(known, cell, stretch, at)
-        here = {name: value[cell] for name, value in known.items()} | settings
-        found = run(self.way, {**here, "stretches": stretches, "track_fraction": fraction})
+        # The motion at nodes: of the cell `cell`, at the share `at` of its stretch.
+        stretches, fraction = self._location(quantities, cell, stretch, at)
+        local = {name: value[cell] for name, value in quantities.items()} | settings
+        results = run(self.way, {**local, "stretches": stretches, "track_fraction": fraction})
         length = np.stack(stretches.length)[stretch, np.arange(len(at))]
-        motion = (np.broadcast_to(np.asarray(found[name], float), at.shape) for name in FOLLOWED)
+        motion = (np.broadcast_to(np.asarray(results[name], float), at.shape) for name in FOLLOWED)
         return Speeds(cell, stretch, at, length, *motion)
 
-    def _doubtful(self, speeds: Speeds) -> Mask:
+    def _needs_halving(self, speeds: Speeds) -> Mask:
+        # True for intervals whose delay or least velocity may still change the result, or that are
+        # wider than jumps of the motion allow.
         intervals, cell = intervals_of(speeds), speeds.cell
         start = np.flatnonzero(np.diff(cell, prepend=-1))
         time = np.add.reduceat(intervals.time, start)[cell]
         least = np.minimum.reduceat(speeds.velocity, start)[cell]
-        number = cell * self.track.count + speeds.stretch
-        share = ENOUGH / (PARTS * self.track.count)
-        late = np.isfinite(time) & (intervals.late > share * time)
-        low = intervals.lower < least - ENOUGH * np.abs(least)
-        remembers = np.fmax(speeds.throw[:-1], speeds.throw[1:]) > MEMORY
-        remembers |= np.fmax(speeds.multiple[:-1], speeds.multiple[1:]) > 1.0
+        stretch_number = cell * self.track.count + speeds.stretch
+        tolerance = ENOUGH / (PARTS * self.track.count)
+        delay_counts = np.isfinite(time) & (intervals.delay > tolerance * time)
+        may_be_slower = intervals.least < least - ENOUGH * np.abs(least)
+        depends_on_history = np.fmax(speeds.throw[:-1], speeds.throw[1:]) > MEMORY
+        depends_on_history |= np.fmax(speeds.multiple[:-1], speeds.multiple[1:]) > 1.0
         differs = speeds.multiple[:-1] != speeds.multiple[1:]
-        widest = np.where(differs, ACROSS, np.where(remembers, CLOSE, 1.0))
-        wide = intervals.width > np.append(widest, 1.0)
-        return (np.bincount(number)[number] <= MOST) & ~np.isnan(least) & (late | low | wide)
+        widest = np.where(differs, ACROSS, np.where(depends_on_history, CLOSE, 1.0))
+        is_too_wide = intervals.width > np.append(widest, 1.0)
+        return (
+            (np.bincount(stretch_number)[stretch_number] <= MOST)
+            & ~np.isnan(least)
+            & (delay_counts | may_be_slower | is_too_wide)
+        )
 
 
 RESULTS = (
@@ -476,13 +521,18 @@ def along(track: Track, equations: Collection[Equation]) -> tuple[Equation, ...]
     several nodes of each stretch of the `track`. `equations` are those of a part at one place,
     which lead from its share of the track's length (`track_fraction`) to its motion.
     """
-    way = between(equations, ("track_fraction",), FOLLOWED)
-    needed = {name for one in way for name in one.inputs} - {one.gives for one in way}
+    to_motion = between(equations, ("track_fraction",), FOLLOWED)
+    needed = {name for equation in to_motion for name in equation.inputs} - {
+        equation.gives for equation in to_motion
+    }
     # Several arrays in one are computed anew at each place: only arrays of cells are handed on.
     bundles = {name for name in needed - {"stretches"} if QUANTITIES[name].bundle}
-    way = (*(one for one in equations if one.gives in bundles), *way)
-    given = {*track.inputs, *(name for one in way for name in one.inputs)}
-    given -= {"track_fraction", "stretches", *(one.gives for one in way)}
-    whole = AlongTrack(track, way, tuple(sorted(given)))
+    to_motion = (*(equation for equation in equations if equation.gives in bundles), *to_motion)
+    needed_inputs = {*track.inputs, *(name for equation in to_motion for name in equation.inputs)}
+    needed_inputs -= {"track_fraction", "stretches", *(equation.gives for equation in to_motion)}
+    whole_track = AlongTrack(track, to_motion, tuple(sorted(needed_inputs)))
     says = "Return what passes the whole track, from the motion at nodes along it."
-    return (Equation("passage", whole.passage, SOURCE, needs=whole.needs, says=says), *RESULTS)
+    return (
+        Equation("passage", whole_track.passage, SOURCE, needs=whole_track.needs, says=says),
+        *RESULTS,
+    )

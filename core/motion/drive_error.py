@@ -73,12 +73,18 @@ def drive_error(
         and abs(value.value - number) <= SAME * max(abs(number), 1e-30)
     ]
     raise_any(_problems(prepared, names, draws))
-    drawn = fit.draw(rng or np.random.default_rng(0), draws)
-    found = velocities(prepared, [{}, *({name: one[name] for name in names} for one in drawn)])
-    sound = found[1:][np.isfinite(found[1:])]
-    lower, upper = np.percentile(sound, ENDS).tolist() if sound.size else (np.nan, np.nan)
-    spread = float(sound.std(ddof=1)) if sound.size > 1 else np.nan
-    return DriveError(float(found[0]), spread, lower, upper, sound.size, draws - sound.size)
+    drawn_parameters = fit.draw(rng or np.random.default_rng(0), draws)
+    velocity = velocities(
+        prepared, [{}, *({name: draw[name] for name in names} for draw in drawn_parameters)]
+    )
+    with_velocity = velocity[1:][np.isfinite(velocity[1:])]
+    lower, upper = (
+        np.percentile(with_velocity, ENDS).tolist() if with_velocity.size else (np.nan, np.nan)
+    )
+    deviation = float(with_velocity.std(ddof=1)) if with_velocity.size > 1 else np.nan
+    return DriveError(
+        float(velocity[0]), deviation, lower, upper, with_velocity.size, draws - with_velocity.size
+    )
 
 
 def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> NDArray[np.float64]:
@@ -88,21 +94,23 @@ def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> 
     new values of some parameters, in the units of studies; shape (changes,).
     """
     plan, fixed = prepared.plan, prepared.grid.fixed
-    given = {
-        name: parameter_to_si(name, np.array([one.get(name, fixed[name]) for one in changes]))
+    values = {
+        name: parameter_to_si(name, np.array([change.get(name, fixed[name]) for change in changes]))
         for name in plan.parameters
     }
-    return np.broadcast_to(run_equations(plan, given)[VELOCITY], len(changes))
+    return np.broadcast_to(run_equations(plan, values)[VELOCITY], len(changes))
 
 
-def _problems(prepared: Simulation, names: Sequence[str], draws: int) -> Iterator[Problem]:
+def _problems(prepared: Simulation, fitted_names: Sequence[str], draws: int) -> Iterator[Problem]:
+    # A study of several cells, one that takes nothing from the recording, and a wrong number of
+    # draws.
     for axis in prepared.grid.axes:
         yield Problem(
             f"parameters.{axis}",
             f"{axis} has several values, but the error is computed for a single design",
             f"Give one value of {axis}",
         )
-    if not names:
+    if not fitted_names:
         yield Problem(
             "drive",
             "the study gives all parameters of the drive itself, and uses no recorded value",

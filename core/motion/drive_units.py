@@ -57,7 +57,7 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
         return None, problems_of_track
     name = "bowl-drive-unit" if {*OF_BOWLS} & {*of_unit} else "linear-drive-unit"
     variant = "measured" if "ring_down_frequency" in of_unit else "springs"
-    turning = [one for one in of_unit if one in OF_TURNING]
+    turning = [parameter for parameter in of_unit if parameter in OF_TURNING]
     if turning and name == "linear-drive-unit":
         variant += "_turning"
     loaded = "conveyed_mass" in of_unit
@@ -80,6 +80,8 @@ def unit_of(parameters: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]
 
 
 def _problems_of_parts(of_unit: list[str], turning: list[str]) -> Iterator[Problem]:
+    # Parameters that exclude `conveyed_mass`: the effect of the parts on the unit is not modelled
+    # beside them.
     if turning:
         yield Problem(
             "parameters.conveyed_mass",
@@ -150,34 +152,40 @@ _GIVES_WAY = (
 def _equations(
     unit: ChosenUnit, contacts: Contacts, of_part: Collection[Equation]
 ) -> tuple[Equation, ...]:
+    # Those of the track first, then of the unit, then of the part, whose amplitude and angle the
+    # unit gives.
     of_unit = unit.scene.variants[unit.variant]
     if unit.shape is not None:
         of_part = under_wave(unit.shape, of_part)
     of_track: tuple[Equation, ...] = ()
     if unit.track is not None:
         of_track = bowl_track.along_track(unit.track)
-        of_unit = tuple(_ON_TRACK.get(one.gives, one) for one in of_unit)
+        of_unit = tuple(_ON_TRACK.get(equation.gives, equation) for equation in of_unit)
     if unit.loaded:
-        of_unit = (*(_LOADED.get(one.gives, one) for one in of_unit), *_RESULTS)
-        ways = ((*of_track, *of_unit), (*of_track, *of_part))
-        load = part_load(*ways, contacts, unit.track)
+        of_unit = (*(_LOADED.get(equation.gives, equation) for equation in of_unit), *_RESULTS)
+        unit_and_part = ((*of_track, *of_unit), (*of_track, *of_part))
+        load = part_load(*unit_and_part, contacts, unit.track)
         says = "Return what the unit feels of the parts, at the amplitude at which both agree."
         load_of_parts = Equation("part_load", load.load, SOURCE, needs=load.needs, says=says)
         of_unit = (load_of_parts, *of_unit)
-    found = (*of_track, *of_unit, *_GIVES_WAY, *of_part)
-    return found if unit.track is None else (*found, *bowl_track.along(unit.track, found))
+    equations = (*of_track, *of_unit, *_GIVES_WAY, *of_part)
+    return (
+        equations if unit.track is None else (*equations, *bowl_track.along(unit.track, equations))
+    )
 
 
 def _conditions(unit: ChosenUnit, of_part: tuple[Condition, ...]) -> tuple[Condition, ...]:
+    # Serious regimes of unit and track come before all of the part; those of its load come behind
+    # the part's first, which says that no motion was found.
     of_unit = unit.scene.conditions[unit.variant]
-    kept = [condition for condition in of_unit if condition.regime in SERIOUS]
+    conditions = [condition for condition in of_unit if condition.regime in SERIOUS]
     if unit.track is not None:
-        kept += bowl_track.CONDITIONS
+        conditions += bowl_track.CONDITIONS
     if not unit.loaded:
-        return (*kept, *of_part)
+        return (*conditions, *of_part)
     any_result = {name for condition in of_part for name in condition.outputs}
     return (
-        *kept,
+        *conditions,
         *of_part[:1],
         where(
             "hunting",
@@ -207,9 +215,9 @@ def on_unit(system: Scene, unit: ChosenUnit, contacts: Contacts) -> Scene:
     `contacts` are the surfaces that its parts can touch, for the load by which they change the
     amplitude.
     """
-    follows = {equation.gives for equation in _RESULTS} if unit.loaded else set()
+    computed = {equation.gives for equation in _RESULTS} if unit.loaded else set()
     of_unit = unit.scene.defaults_of(unit.variant)
-    defaults = {name: value for name, value in of_unit.items() if name not in follows}
+    defaults = {name: value for name, value in of_unit.items() if name not in computed}
     of_part = dict(system.defaults)
     if unit.track is not None:
         defaults |= bowl_track.DEFAULTS
@@ -217,7 +225,9 @@ def on_unit(system: Scene, unit: ChosenUnit, contacts: Contacts) -> Scene:
     return replace(
         system,
         validity=f"{system.validity} Drive unit: {unit.scene.validity}",
-        variants={n: _equations(unit, contacts, known) for n, known in system.variants.items()},
+        variants={
+            name: _equations(unit, contacts, known) for name, known in system.variants.items()
+        },
         conditions={name: _conditions(unit, known) for name, known in system.conditions.items()},
         defaults={**defaults, **of_part, **(unit.shape.defaults if unit.shape else {})},
     )

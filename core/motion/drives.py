@@ -62,7 +62,7 @@ class Harmonics:
     def inputs(self) -> tuple[str, ...]:
         """Names of the quantities from which the wave is computed, parameters of a study."""
         numbers = [
-            f"{what}_{axis}_{k}" for what in ("amplitude", "phase") for axis, k in self.terms
+            f"{kind}_{axis}_{k}" for kind in ("amplitude", "phase") for axis, k in self.terms
         ]
         return ("frequency", "gravity", "drive_factor", *numbers, *self.arms)
 
@@ -85,16 +85,16 @@ class Harmonics:
         """
         inputs, shape = _aligned(inputs)
         harmonics = np.zeros((3, 2, max(k for _, k in self.terms), *shape))
-        unit = (
+        push_per_metre = (
             inputs["drive_factor"] * np.square(waves.TURN * inputs["frequency"]) / inputs["gravity"]
         )
         for axis, k in self.terms:
-            size = k * k * inputs[f"amplitude_{axis}_{k}"] * unit
+            push = k * k * inputs[f"amplitude_{axis}_{k}"] * push_per_metre
             phase = inputs[f"phase_{axis}_{k}"]
-            for along, arm, sign in ARMS.get(axis, ((axis, "", 1.0),)):
-                moved = size * sign * inputs[arm] if arm else size
-                harmonics[AXES.index(along), 0, k - 1] += moved * cosine(phase)
-                harmonics[AXES.index(along), 1, k - 1] += moved * sine(phase)
+            for moved_axis, arm, sign in ARMS.get(axis, ((axis, "", 1.0),)):
+                moved_push = push * sign * inputs[arm] if arm else push
+                harmonics[AXES.index(moved_axis), 0, k - 1] += moved_push * cosine(phase)
+                harmonics[AXES.index(moved_axis), 1, k - 1] += moved_push * sine(phase)
         return waves.Wave(harmonics, np.zeros((4, 0, *shape)))
 
 
@@ -121,12 +121,14 @@ class Ellipse(Harmonics):
 
     def wave(self, **inputs: Array) -> waves.Wave:
         """Return the drive, as of harmonics of order 1."""
-        a, b, theta = (np.asarray(inputs.pop(name), dtype=float) for name in ELLIPSE)
-        ways = {
-            "along": (a * cosine(theta), b * sine(theta)),
-            "normal": (a * sine(theta), -b * cosine(theta)),
+        semi_major, semi_minor, tilt = (
+            np.asarray(inputs.pop(name), dtype=float) for name in ELLIPSE
+        )
+        components = {
+            "along": (semi_major * cosine(tilt), semi_minor * sine(tilt)),
+            "normal": (semi_major * sine(tilt), -semi_minor * cosine(tilt)),
         }
-        for axis, (of_sine, of_cosine) in ways.items():
+        for axis, (of_sine, of_cosine) in components.items():
             inputs[f"amplitude_{axis}_1"] = hypot(of_sine, of_cosine)
             inputs[f"phase_{axis}_1"] = np.arctan2(of_cosine, of_sine)
         return super().wave(**inputs)
@@ -146,9 +148,16 @@ class Steps:
     @property
     def closing(self) -> dict[str, int]:
         """The step on each axis whose acceleration is computed so that the mean is 0, if any."""
-        given = {axis: [n for a, n in self.levels if a == axis] for axis, _ in self.levels}
-        missing = {axis: set(range(1, self.count + 1)) - set(n) for axis, n in given.items()}
-        return {axis: min(left) for axis, left in missing.items() if len(left) == 1}
+        given_steps = {
+            axis: [n for level_axis, n in self.levels if level_axis == axis]
+            for axis, _ in self.levels
+        }
+        missing = {axis: set(range(1, self.count + 1)) - set(n) for axis, n in given_steps.items()}
+        return {
+            axis: min(missing_steps)
+            for axis, missing_steps in missing.items()
+            if len(missing_steps) == 1
+        }
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -175,38 +184,41 @@ class Steps:
         of a period vanish. NaN in cells where a mean acceleration is not 0: no track can do that.
         """
         inputs, shape = _aligned(inputs)
-        last = np.stack([np.broadcast_to(inputs[f"duration_{n}"], shape)
+        duration_fractions = np.stack([np.broadcast_to(inputs[f"duration_{n}"], shape)
                          for n in range(1, self.count + 1)])  # fmt: skip
-        last = ratio(last, last.sum(axis=0), np.nan)
-        last = np.where(last < SHORTEST, 0.0, last)
-        last = last / last.sum(axis=0)
+        duration_fractions = ratio(duration_fractions, duration_fractions.sum(axis=0), np.nan)
+        duration_fractions = np.where(duration_fractions < SHORTEST, 0.0, duration_fractions)
+        duration_fractions = duration_fractions / duration_fractions.sum(axis=0)
         steps = np.zeros((4, self.count, *shape))
         for axis in dict.fromkeys(axis for axis, _ in self.levels):
-            steps[AXES.index(axis)] = self._levels(axis, inputs, last)
-        ends = waves.TURN * np.cumsum(last, axis=0)
+            steps[AXES.index(axis)] = self._levels(axis, inputs, duration_fractions)
+        ends = waves.TURN * np.cumsum(duration_fractions, axis=0)
         ends[-1] = np.where(np.isnan(ends[-1]), np.nan, waves.TURN)
         steps[waves.ENDS] = ends
         return waves.Wave(np.zeros((3, 2, 0, *shape)), steps)
 
-    def _levels(self, axis: str, inputs: dict[str, Array], last: Array) -> Array:
-        # The push, minus the track's acceleration over gravity, step by step; `last` are the shares
-        # of the period that the steps last, shape (steps, ...), as is the result.
-        levels = np.zeros_like(last)
+    def _levels(self, axis: str, inputs: dict[str, Array], duration_fractions: Array) -> Array:
+        # The push, minus the track's acceleration over gravity, step by step, in the shape of
+        # `duration_fractions`, (steps, ...).
+        levels = np.zeros_like(duration_fractions)
         closing = self.closing.get(axis, 0)
         for n in range(1, self.count + 1):
             if n != closing:
                 levels[n - 1] = inputs[f"acceleration_{axis}_{n}"]
-        if closing:
-            levels[closing - 1] = ratio(-(levels * last).sum(axis=0), last[closing - 1], 0.0)
-        mean = (levels * last).sum(axis=0)
-        open_by = np.abs(mean) > CLOSED * (np.abs(levels) * last).sum(axis=0)
-        levels = np.where(open_by, np.nan, levels - mean)
+        if closing:  # the step that is left out makes the mean 0
+            levels[closing - 1] = ratio(
+                -(levels * duration_fractions).sum(axis=0), duration_fractions[closing - 1], 0.0
+            )
+        # No track can have a mean acceleration: NaN, unless it is rounding.
+        mean = (levels * duration_fractions).sum(axis=0)
+        is_open = np.abs(mean) > CLOSED * (np.abs(levels) * duration_fractions).sum(axis=0)
+        levels = np.where(is_open, np.nan, levels - mean)
         # A step of no length is one with a step beside it.
-        for n, beside in (
+        for n, neighbour in (
             *((n, n - 1) for n in range(1, self.count)),
             *((n, n + 1) for n in range(self.count - 2, -1, -1)),
         ):
-            levels[n] = np.where(last[n] == 0.0, levels[beside], levels[n])
+            levels[n] = np.where(duration_fractions[n] == 0.0, levels[neighbour], levels[n])
         return -levels * inputs["drive_factor"] / inputs["gravity"]
 
 
@@ -228,16 +240,19 @@ class HalfWave:
 
         Its push is w^2 A sin(tau)/g, and 4 w^2 A (s, c)/g at 2 tau, along the line of vibration.
         """
-        s, c = inputs.pop("track_harmonic")
+        sine_part, cosine_part = inputs.pop("track_harmonic")
         inputs, _ = _aligned(inputs)
-        rate = np.square(inputs["circular_frequency"]) / inputs["gravity"]
-        size = inputs["drive_factor"] * inputs["amplitude"] * rate
-        level = size * cosine(inputs["beta"])
-        along, across = level * cosine(inputs["alpha"]), level * sine(inputs["alpha"])
+        metres_to_push = np.square(inputs["circular_frequency"]) / inputs["gravity"]
+        first_push = inputs["drive_factor"] * inputs["amplitude"] * metres_to_push
+        in_plane_push = first_push * cosine(inputs["beta"])
+        along, across = (
+            in_plane_push * cosine(inputs["alpha"]),
+            in_plane_push * sine(inputs["alpha"]),
+        )
         numbers = [
             number
-            for one in (along, across, size * sine(inputs["beta"]))
-            for number in (one, 4.0 * one * s, 0.0 * one, 4.0 * one * c)
+            for push in (along, across, first_push * sine(inputs["beta"]))
+            for number in (push, 4.0 * push * sine_part, 0.0 * push, 4.0 * push * cosine_part)
         ]
         harmonics = np.stack(np.broadcast_arrays(*numbers))
         shape = harmonics.shape[1:]
@@ -253,14 +268,14 @@ def _aligned(inputs: dict[str, Array]) -> tuple[dict[str, Array], tuple[int, ...
     return arrays, np.broadcast_shapes(*(value.shape for value in arrays.values()))
 
 
-def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
+def problems_of_wave(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
     """Return the problem if no combination of the given values makes a valid drive; else empty.
 
     A drive in steps must have some duration, and a mean acceleration of 0 on each axis. `shape` is
     the drive that the study's names define, `values` are its parameters in SI units.
     """
-    given = {name: values.get(name, shape.defaults.get(name, 1.0)) for name in shape.inputs}
-    wave = shape.wave(**{name: np.asarray(value) for name, value in given.items()})
+    inputs = {name: values.get(name, shape.defaults.get(name, 1.0)) for name in shape.inputs}
+    wave = shape.wave(**{name: np.asarray(value) for name, value in inputs.items()})
     if not np.all(np.isnan(waves.size(wave))):
         return []
     if np.all(np.isnan(wave.steps[waves.ENDS])):
@@ -287,16 +302,16 @@ def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
 
     None for the plain sine, and if there are problems, such as names of two kinds.
     """
-    known = {*DRIVE, *SINE, *TURNS}
-    names = [name for name in parameters if name in known]
-    terms = {(m[1], int(m[2])) for m in filter(None, map(_HARMONIC.fullmatch, names))}
+    drive_parameters = {*DRIVE, *SINE, *TURNS}
+    names = [name for name in parameters if name in drive_parameters]
+    terms = {(match[1], int(match[2])) for match in filter(None, map(_HARMONIC.fullmatch, names))}
     steps = list(filter(None, map(_STEP.fullmatch, names)))
     sines = [name for name in SINE if name in names]
     ellipse = [name for name in ELLIPSE if name in names]
     if (terms and steps) or (ellipse and (terms or steps)):
-        mixed = (ellipse[0], "an ellipse") if ellipse else (steps[0][0], "a drive in steps")
+        kept = (ellipse[0], "an ellipse") if ellipse else (steps[0][0], "a drive in steps")
         other = "harmonics" if terms else "steps"
-        return None, [_mixed(*mixed, other, "Give one kind of drive")]
+        return None, [_mixed(*kept, other, "Give one kind of drive")]
     if sines and (terms or steps or ellipse):
         other = "harmonics" if terms else "steps" if steps else "an ellipse"
         return None, [_mixed(name, "the plain sine", other, _NO_SINE[other]) for name in sines]
@@ -308,8 +323,9 @@ def shape_of(parameters: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
 
 
 def _steps_of(steps: list[re.Match[str]]) -> tuple[Steps | None, list[Problem]]:
-    levels = {(m[1], int(m[2])) for m in steps if m[1]}
-    count = max(int(m[2]) for m in steps)
+    # The drive in steps whose matched names are given, or the problem of an incomplete one.
+    levels = {(match[1], int(match[2])) for match in steps if match[1]}
+    count = max(int(match[2]) for match in steps)
     if levels and count > 1:
         return Steps(count, tuple(sorted(levels, key=_by_axis))), []
     return None, [
@@ -375,12 +391,13 @@ def limits(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
 
 
 def _limit(name: str, axis: str, drive: str) -> Equation:
+    # The equation of one of `LIMITS` on an axis, from the drive number (sine) or the wave.
     says, scale_of, of_sine, of_wave = LIMITS[name]
     drive_input = "wave" if drive == "wave" else f"drive_number_{axis}"
 
-    def value(**known: Array) -> Array:
-        drive_value = known.pop(drive_input)
-        scale = scale_of(**known)
+    def value(**quantities: Array) -> Array:
+        drive_value = quantities.pop(drive_input)
+        scale = scale_of(**quantities)
         if isinstance(drive_value, waves.Wave):
             return of_wave(drive_value, AXES.index(axis)) * scale
         return of_sine * np.abs(drive_value) * scale
@@ -405,15 +422,24 @@ def fastest_velocity(
     hold: something drives the part off the floor or across, the track falls, or it is too steep for
     the part to lie on.
     """
-    along, onto = map(np.asarray, (groups.gravity_number_along, groups.gravity_number_normal))
-    most = largest_acceleration_along / gravity
-    holding, braking = groups.friction_static * onto - along, groups.friction_kinetic * onto + along
-    share = ratio(holding, holding + braking, 0.0)
-    best = share**2 * ratio(most**2 - braking**2, 4 * most, 0.0) * gravity / frequency
-    freed = most > groups.friction_static * onto + along
-    holds = (along >= 0.0) & (holding >= 0.0) & (np.asarray(groups.drive_number_normal) == 0.0)
-    holds = holds & in_plane(groups, Contacts(wall=True))
-    return np.where(holds & ~np.isnan(most), np.where(freed, best, 0.0), np.nan)
+    downhill, load = map(np.asarray, (groups.gravity_number_along, groups.gravity_number_normal))
+    largest = largest_acceleration_along / gravity
+    holding, braking = (
+        groups.friction_static * load - downhill,
+        groups.friction_kinetic * load + downhill,
+    )
+    braking_fraction = ratio(holding, holding + braking, 0.0)
+    largest_velocity = (
+        braking_fraction**2 * ratio(largest**2 - braking**2, 4 * largest, 0.0) * gravity / frequency
+    )
+    breaks_free = largest > groups.friction_static * load + downhill
+    bound_holds = (
+        (downhill >= 0.0) & (holding >= 0.0) & (np.asarray(groups.drive_number_normal) == 0.0)
+    )
+    bound_holds = bound_holds & in_plane(groups, Contacts(wall=True))
+    return np.where(
+        bound_holds & ~np.isnan(largest), np.where(breaks_free, largest_velocity, 0.0), np.nan
+    )
 
 
 def share_of_fastest(*, conveying_velocity: Array, fastest_velocity: Array) -> Array:
@@ -431,8 +457,8 @@ limit, so that rounding does not decide."""
 
 def throw_number(*, wave: waves.Wave, load_number: Array) -> Array:
     """Return the throw number, the largest upward drive acceleration over the load number [1]."""
-    most = np.maximum(waves.largest_over_period(wave, waves.NORMAL, "push"), 0.0)
-    return ratio(most, load_number, np.where(most > 0.0, np.inf, 0.0))
+    largest_push = np.maximum(waves.largest_over_period(wave, waves.NORMAL, "push"), 0.0)
+    return ratio(largest_push, load_number, np.where(largest_push > 0.0, np.inf, 0.0))
 
 
 def efficiency(*, motion: Motion, wave: waves.Wave) -> Array:
@@ -440,37 +466,39 @@ def efficiency(*, motion: Motion, wave: waves.Wave) -> Array:
 
     Infinite (regime `unbounded`) for a part that moves though the track does not move along x.
     """
-    v, fastest = motion.velocity, waves.largest_over_period(wave, waves.ALONG, "speed")
-    beyond = np.where(np.isnan(v), np.nan, np.copysign(np.inf, v))
-    return np.where(v != 0, ratio(v, fastest, beyond), 0.0)
+    velocity, fastest = motion.velocity, waves.largest_over_period(wave, waves.ALONG, "speed")
+    without_track_motion = np.where(np.isnan(velocity), np.nan, np.copysign(np.inf, velocity))
+    return np.where(velocity != 0, ratio(velocity, fastest, without_track_motion), 0.0)
 
 
 def _driven_motion(
     follow: Any, *, groups: Groups, watch: Watch | None = None, **settings: Array
 ) -> Motion:
     # No track can do what has a mean acceleration: its numbers are NaN.
-    found: Motion = follow(groups=groups, watch=watch, **settings)
+    motion: Motion = follow(groups=groups, watch=watch, **settings)
     assert groups.wave is not None
-    none = np.isnan(waves.size(groups.wave))
-    return found._replace(status=np.where(none, np.int8(STATUS["no_drive"]), found.status))
+    has_no_drive = np.isnan(waves.size(groups.wave))
+    return motion._replace(
+        status=np.where(has_no_drive, np.int8(STATUS["no_drive"]), motion.status)
+    )
 
 
 @cache
 def _with_wave(groups: Any) -> Any:
-    def waved(*, wave: waves.Wave, **numbers: Array) -> Groups:
+    def groups_with_wave(*, wave: waves.Wave, **numbers: Array) -> Groups:
         part: Groups = groups(**numbers)
         static: Array = part.friction_static
         if wave.steps.shape[1]:
             # A sine passes the limit at a phase, but a step may lie on it as long as it lasts, as
             # the best drives do; the last bit of a sum would decide the motion.
-            raised = static * (1.0 + AT_LIMIT)
-            static = np.where(static > part.friction_kinetic, raised, static)
+            raised_static = static * (1.0 + AT_LIMIT)
+            static = np.where(static > part.friction_kinetic, raised_static, static)
         return part._replace(wave=wave, friction_static=static)
 
-    return waved
+    return groups_with_wave
 
 
-_OTHERS = {
+_EQUATIONS_OF_WAVE = {
     one.gives: one
     for one in (
         *limits("wave"),
@@ -491,21 +519,23 @@ _OTHERS = {
 }  # fmt: skip
 
 
-def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...]:
+def under_wave(shape: Shape, equations: Collection[Equation]) -> tuple[Equation, ...]:
     """Return the equations of a conveying system with a wave in place of the sine drive.
 
-    Of `known`, those under a sine, stay those that hold for any drive.
+    Of the given `equations`, those under a sine, stay those that hold for any drive.
     """
     changed = []
-    for equation in known:
+    for equation in equations:
         if equation.gives in ("groups", "motion"):
             of_motion = equation.gives == "motion"
-            given = equation.function
-            function = partial(_driven_motion, given) if of_motion else _with_wave(given)
+            plain_function = equation.function
+            function = (
+                partial(_driven_motion, plain_function) if of_motion else _with_wave(plain_function)
+            )
             needs = equation.inputs if of_motion else ("wave", *equation.inputs)
             equation = replace(equation, function=function, needs=needs, says=equation.summary)
         if equation.gives != "vibration_acceleration":
-            changed.append(_OTHERS.get(equation.gives, equation))
+            changed.append(_EQUATIONS_OF_WAVE.get(equation.gives, equation))
     says = "Return the push of the drive on a part, per weight."
     wave = Equation("wave", shape.wave, "theory 13.14", needs=shape.inputs, says=says)
     return (wave, *changed)
@@ -518,6 +548,11 @@ def driven(system: Scene, shape: Shape) -> Scene:
     """
     return replace(
         system,
-        variants={name: under_wave(shape, known) for name, known in system.variants.items()},
-        defaults={**{n: v for n, v in system.defaults.items() if n != "alpha"}, **shape.defaults},
+        variants={
+            name: under_wave(shape, equations) for name, equations in system.variants.items()
+        },
+        defaults={
+            **{name: value for name, value in system.defaults.items() if name != "alpha"},
+            **shape.defaults,
+        },
     )

@@ -68,44 +68,52 @@ def solve_cells(
     stop: NDArray[np.int8],
 ) -> None:
     """Fill table (columns of a `Motion`) and statuses of cells; rows hold `Cell` and a wave."""
-    order = _beside_equal_landings(groups)
+    order = _order_by_landings(groups)
     if order is None:
         kernel_calls.plane_cells.solve_cells(groups, waves_of(groups), table, status, stop)
-        _average(groups, table, status, stop)
+        _average_unrepeated(groups, table, status, stop)
         return
-    cells, means, found = groups[order], table[order], status[order]
-    kernel_calls.plane_cells.solve_cells(cells, waves_of(cells), means, found, stop)
-    _average(cells, means, found, stop)
-    table[order], status[order] = means, found
+    ordered_groups, ordered_table, ordered_status = groups[order], table[order], status[order]
+    kernel_calls.plane_cells.solve_cells(
+        ordered_groups, waves_of(ordered_groups), ordered_table, ordered_status, stop
+    )
+    _average_unrepeated(ordered_groups, ordered_table, ordered_status, stop)
+    table[order], status[order] = ordered_table, ordered_status
 
 
-def _average(
+def _average_unrepeated(
     groups: NDArray[np.float64],
     table: NDArray[np.float64],
     status: NDArray[np.int8],
     stop: NDArray[np.int8],
 ) -> None:
+    # Cells without a cycle get the means of long runs, in the same rows.
     (cells,) = np.nonzero(status == UNREPEATED)
     if cells.size:
         means = np.full((cells.size, RESULTS), np.nan)
-        found = np.full(cells.size, STATUS["not_computed"], dtype=np.int8)
-        kernel_calls.plane_cells.average_cells(groups[cells], waves_of(groups), means, found, stop)
-        table[cells, :RESULTS], status[cells] = means, found
+        new_status = np.full(cells.size, STATUS["not_computed"], dtype=np.int8)
+        kernel_calls.plane_cells.average_cells(
+            groups[cells], waves_of(groups), means, new_status, stop
+        )
+        table[cells, :RESULTS], status[cells] = means, new_status
 
 
-def _beside_equal_landings(groups: NDArray[np.float64]) -> NDArray[np.intp] | None:
+def _order_by_landings(groups: NDArray[np.float64]) -> NDArray[np.intp] | None:
     # The order in which cells that land at the same times follow each other: their motion normal
     # to the floor is found once for all (`kernels.planar.cycle` and, to 32 bits, `landings`).
     drives = groups[:, Groups._fields.index("drive_number_normal")]
-    ordered = np.sort(drives)  # a third of the time of an order, which is seldom for nothing then
+    # To sort numbers takes a third of the time of an order, which is then seldom for nothing.
+    sorted_drives = np.sort(drives)
     # Those below 0 pass for unequal: they are few, and to find them takes as long again.
-    if np.count_nonzero(ordered[1:] <= NEARLY * ordered[:-1]) < FEWEST_EQUAL * len(groups):
+    if np.count_nonzero(sorted_drives[1:] <= NEARLY * sorted_drives[:-1]) < FEWEST_EQUAL * len(
+        groups
+    ):
         return None
     by_drive = np.argsort(drives, kind="stable")
-    others = np.zeros(len(groups))
+    sort_key = np.zeros(len(groups))
     for name, factor in OTHER_FACTORS.items():
-        others += factor * groups[:, Groups._fields.index(name)]
-    return by_drive[np.argsort(others[by_drive], kind="stable")]
+        sort_key += factor * groups[:, Groups._fields.index(name)]
+    return by_drive[np.argsort(sort_key[by_drive], kind="stable")]
 
 
 def follow(
@@ -113,7 +121,7 @@ def follow(
 ) -> tuple[NDArray[np.float64], float, float, bool]:
     """Return one cell's motion pieces, phase shift, direction sign, and True if they repeat.
 
-    `row` holds `Cell` and a wave; see the kernel `again.follow`.
+    `row` holds `Cell` and a wave; see the kernel `plane_cells.follow`.
     """
     table, status = np.empty((1, RESULTS)), np.full(1, STATUS["not_computed"], dtype=np.int8)
     solve_cells(row[np.newaxis], table, status, stop)
@@ -134,10 +142,12 @@ def planar_motion(
     stay on the floor once they are small; `error` holds what that leaves out.
     """
     lifts = np.abs(groups.drive_number_normal) > groups.gravity_number_normal
-    plain = groups.flat()._replace(restitution=np.where(lifts, groups.restitution, 0.0))
+    planar_groups = groups.flat()._replace(restitution=np.where(lifts, groups.restitution, 0.0))
     if np.any(groups.impact_damping):
-        plain = plain._replace(impact_damping=np.where(lifts, groups.impact_damping, 0.0))
-    cells, shape = cells_of(plain, tolerance=tolerance, max_periods=max_periods)
+        planar_groups = planar_groups._replace(
+            impact_damping=np.where(lifts, groups.impact_damping, 0.0)
+        )
+    cells, shape = cells_of(planar_groups, tolerance=tolerance, max_periods=max_periods)
     return motion_of(*run_cells(solve_cells, cells, watch=watch), shape)
 
 
@@ -157,17 +167,17 @@ def planar_path(
     """
     (cell,), _ = cells_of(groups, tolerance=tolerance, max_periods=max_periods)
     with (watch or Watch()).flag() as stop:
-        pieces, shift, way, repeats = follow(cell, stop)
+        pieces, shift, direction, repeats = follow(cell, stop)
     samples = kernel_calls.plane_cells.sample(pieces, cell, waves_of(cell), shift, phases, repeats)
     modes = samples[:, 4].astype(np.int8)
-    if way < 0:  # the kernel mirrors a sine so that its amplitudes are positive
+    if direction < 0:  # the kernel mirrors a sine so that its amplitudes are positive
         forward, backward = MOTION_MODES["forward"].value, MOTION_MODES["backward"].value
-        turned = np.arange(len(MOTION_MODES), dtype=np.int8)
-        turned[forward], turned[backward] = backward, forward
-        modes = turned[modes]
+        mirrored_modes = np.arange(len(MOTION_MODES), dtype=np.int8)
+        mirrored_modes[forward], mirrored_modes[backward] = backward, forward
+        modes = mirrored_modes[modes]
     across = np.zeros(len(samples))
-    position = np.stack([way * samples[:, 0], across, samples[:, 1]], axis=1)
-    velocity = np.stack([way * samples[:, 2], across, samples[:, 3]], axis=1)
+    position = np.stack([direction * samples[:, 0], across, samples[:, 1]], axis=1)
+    velocity = np.stack([direction * samples[:, 2], across, samples[:, 3]], axis=1)
     return Path(phases, position, velocity), modes
 
 
@@ -258,20 +268,20 @@ def motion_by_events(
     if not plane.any():
         return spatial_motion(groups, contacts, **settings, watch=watch)
     rows, shape = cells_of(groups, **settings, plane=plane)
-    where = np.broadcast_to(plane, shape).ravel()
+    is_planar = np.broadcast_to(plane, shape).ravel()
     results = []
-    for mask in (where, ~where):
-        some, more = groups_of(rows[mask], groups.wave is not None, 3)
-        given = dict(zip(settings, more, strict=False))
+    for mask in (is_planar, ~is_planar):
+        part_groups, columns = groups_of(rows[mask], groups.wave is not None, 3)
+        part_settings = dict(zip(settings, columns, strict=False))
         results.append(
-            planar_motion(some, **given, watch=watch)
-            if mask is where
-            else spatial_motion(some, contacts, **given, watch=watch)
+            planar_motion(part_groups, **part_settings, watch=watch)
+            if mask is is_planar
+            else spatial_motion(part_groups, contacts, **part_settings, watch=watch)
         )
     fields = []
-    for flat, spatial in zip(*results, strict=True):
-        field = np.empty(where.size, dtype=flat.dtype)
-        field[where], field[~where] = flat, spatial
+    for planar, spatial in zip(*results, strict=True):
+        field = np.empty(is_planar.size, dtype=planar.dtype)
+        field[is_planar], field[~is_planar] = planar, spatial
         fields.append(field.reshape(shape))
     return Motion._make(fields)
 
@@ -300,43 +310,43 @@ def energy_by_events(
     rows, shape = cells_of(
         groups, **settings, plane=plane, repeats=motion.multiple > 0, wanders=wanders
     )
-    some, (*columns, plane, repeats, wanders) = groups_of(rows, groups.wave is not None, 5)
+    groups_again, (*columns, plane, repeats, wanders) = groups_of(rows, groups.wave is not None, 5)
     table = np.full((len(rows), len(Energy._fields)), np.nan)
     inputs = dict(zip(settings, columns, strict=True))
     of_plane, of_space = kernel_calls.plane_cells, kernel_calls.track
-    for part, kernel, piece, here in (
-        (some.flat(), partial(_with_waves, of_plane.spend_cells), 256, plane * repeats),
-        (some, _in_space(of_space.spend_cells, contacts), 32, (1.0 - plane) * repeats),
-        (some.flat(), partial(_with_waves, of_plane.average_spent), 4,
+    for part_groups, kernel, piece, weight in (
+        (groups_again.flat(), partial(_with_waves, of_plane.power_cells), 256, plane * repeats),
+        (groups_again, _in_space(of_space.power_cells, contacts), 32, (1.0 - plane) * repeats),
+        (groups_again.flat(), partial(_with_waves, of_plane.average_power_cells), 4,
          plane * wanders * (1.0 - repeats)),
     ):  # fmt: skip
-        which = here > 0.0
-        if which.any():
-            cells, _ = cells_of(part, **inputs)
-            table[which], _ = run_cells(
-                kernel, cells[which], columns=table.shape[1], piece=piece, watch=watch
+        is_computed = weight > 0.0
+        if is_computed.any():
+            cells, _ = cells_of(part_groups, **inputs)
+            table[is_computed], _ = run_cells(
+                kernel, cells[is_computed], columns=table.shape[1], piece=piece, watch=watch
             )
     return Energy(*(np.ascontiguousarray(column).reshape(shape) for column in table.T))
 
 
-def _with_waves(kernel: Callable[..., Any], groups: NDArray[np.float64], *found: Any) -> None:
-    kernel(groups, waves_of(groups), *found)
+def _with_waves(kernel: Callable[..., Any], groups: NDArray[np.float64], *outputs: Any) -> None:
+    kernel(groups, waves_of(groups), *outputs)
 
 
-def path_of(asked: TrajectoryRequest, contacts: Contacts) -> tuple[Path, NDArray[np.int8]]:
+def path_of(request: TrajectoryRequest, contacts: Contacts) -> tuple[Path, NDArray[np.int8]]:
     """Return positions and modes of one part at the asked times, in the plane or in space."""
-    settings: dict[str, Any] = {"phases": asked.times()[1], "watch": asked.watch}
+    settings: dict[str, Any] = {"phases": request.times()[1], "watch": request.watch}
     for name in ("tolerance", "max_periods"):
-        settings[name] = np.asarray(asked.arguments[name]).item()
-    if in_plane(asked.groups, contacts):
-        return planar_path(asked.groups, **settings)
-    path, modes = spatial_path(asked.groups, contacts, **settings)
-    path.position[:, 0] -= path.position[0, 0]
+        settings[name] = np.asarray(request.arguments[name]).item()
+    if in_plane(request.groups, contacts):
+        return planar_path(request.groups, **settings)
+    path, modes = spatial_path(request.groups, contacts, **settings)
+    path.position[:, 0] -= path.position[0, 0]  # it starts at 0, as in the plane
     return path, modes
 
 
-def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
-    return asked.trajectory(*path_of(asked, contacts), contacts.wall)
+def _trajectory(request: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+    return request.trajectory(*path_of(request, contacts), contacts.wall)
 
 
 EVENTS = Method(

@@ -103,6 +103,7 @@ def effective_distance(
 
 
 def _in_own_units(**values: Any) -> list[Any]:
+    # Numbers in the units of their quantities; all wrong ones are reported together.
     read, problems = [], []
     for name, value in values.items():
         try:
@@ -114,6 +115,7 @@ def _in_own_units(**values: Any) -> list[Any]:
 
 
 def _spacing(length: Array, gap: Array | float) -> Array:
+    # The length of track that a part and its gap take.
     spacing = length + gap
     if np.any(spacing <= 0.0):
         raise refused(
@@ -164,11 +166,13 @@ def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
     value = {name: np.int8(flag.value) for name, flag in DIRECTIONS.items()}
     velocity = np.asarray(motion.velocity)
     error = np.where(np.isnan(motion.error), 0.0, motion.error)
-    rests = np.abs(velocity) <= np.maximum(error, RESOLVED * np.asarray(drive_number))
-    way = np.where(velocity > 0, value["forwards"], value["backwards"])
+    is_at_rest = np.abs(velocity) <= np.maximum(error, RESOLVED * np.asarray(drive_number))
+    travel = np.where(velocity > 0, value["forwards"], value["backwards"])
     answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
-    known = np.where(rests | motion.only("stick"), value["rests"], way)
-    direction: NDArray[np.int8] = np.where(answered & ~np.isnan(velocity), known, value["unknown"])
+    resolved = np.where(is_at_rest | motion.only("stick"), value["rests"], travel)
+    direction: NDArray[np.int8] = np.where(
+        answered & ~np.isnan(velocity), resolved, value["unknown"]
+    )
     return direction
 
 
@@ -199,36 +203,38 @@ def travel_in_words(table: "Table") -> str:
     elif "conveying_velocity" in variables:
         velocity, error = variables["conveying_velocity"], variables.get("conveying_velocity_error")
         stated = error is not None and error.dims == velocity.dims
-        least = np.fmax(error.values, SLOWEST) if error is not None and stated else SLOWEST
-        backwards = velocity.values < -least
+        resting_speed = np.fmax(error.values, SLOWEST) if error is not None and stated else SLOWEST
+        backwards = velocity.values < -resting_speed
     elif "feed_rate" in variables:
         # Of parts of a metre: shorter ones give a higher rate at the same speed.
         backwards = variables["feed_rate"].values < -60.0 * SLOWEST
     else:
         return ""
-    share = float(np.mean(backwards))
-    if not share:
+    fraction = float(np.mean(backwards))
+    if not fraction:
         return ""
-    which = f"{percent(share)} of the cells travel"
-    if share == 1:
+    subject = f"{percent(fraction)} of the cells travel"
+    if fraction == 1:
         single = all(not variable.dims for variable in variables.values())
-        which = "The part travels" if single else "All cells travel"
-    return f"{which} backwards, against x."
+        subject = "The part travels" if single else "All cells travel"
+    return f"{subject} backwards, against x."
 
 
 def _rolling_in_words(table: "Table") -> str:
     # Of cells in which a round part is not conveyed: it runs down, or nothing moves it.
-    down = np.abs(table.variables["mean_acceleration"].values)
+    acceleration = np.abs(table.variables["mean_acceleration"].values)
     status = table.variables["motion_status"].values
-    runs = down[down > 0]
-    least, most = (f"{end:.2g}" for end in (runs.min(initial=np.inf), runs.max(initial=0.0)))
-    between = most if least == most else f"{least} to {most}"
+    accelerations = acceleration[acceleration > 0]
+    lowest, highest = (
+        f"{end:.2g}" for end in (accelerations.min(initial=np.inf), accelerations.max(initial=0.0))
+    )
+    range_in_words = highest if lowest == highest else f"{lowest} to {highest}"
     sentences = []
     for name, words in (
-        ("runaway", f"it runs down at {between} m/s²"),
+        ("runaway", f"it runs down at {range_in_words} m/s²"),
         ("neutral", "nothing conveys it, and it keeps the speed that it has"),
     ):
-        if share := float(np.mean(status == STATUS[name])):
-            where = "" if share == 1 else f" in {percent(share)} of the cells"
-            sentences.append(f"The part does not travel{where}: {words}.")
+        if fraction := float(np.mean(status == STATUS[name])):
+            in_cells = "" if fraction == 1 else f" in {percent(fraction)} of the cells"
+            sentences.append(f"The part does not travel{in_cells}: {words}.")
     return " ".join(sentences)

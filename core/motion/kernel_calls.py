@@ -52,8 +52,8 @@ def run_cells(
     What the watch did not let finish has status `not_computed`, and NaN.
     """
     watch = watch or Watch()
-    different, where = _different(groups)
-    count = different.shape[0]
+    distinct, row_indices = _distinct_rows(groups)
+    count = distinct.shape[0]
     table = np.full((count, columns), np.nan)
     status = np.full(count, STATUS["not_computed"], dtype=np.int8)
     threads = watch.threads or os.cpu_count() or 1
@@ -65,7 +65,7 @@ def run_cells(
             if watch.stopped():
                 return 0
             end = min(start + piece, count)
-            kernel(different[start:end], table[start:end], status[start:end], flag)
+            kernel(distinct[start:end], table[start:end], status[start:end], flag)
             return end - start
 
         if threads == 1 or len(starts) == 1:
@@ -73,28 +73,28 @@ def run_cells(
                 watch.advance(run(start) / count)
         else:
             with ThreadPoolExecutor(threads, thread_name_prefix="motion") as pool:
-                for done in pool.map(run, starts):
-                    watch.advance(done / count)
-    return (table, status) if where is None else (table[where], status[where])
+                for count_done in pool.map(run, starts):
+                    watch.advance(count_done / count)
+    return (table, status) if row_indices is None else (table[row_indices], status[row_indices])
 
 
-def _different(
+def _distinct_rows(
     groups: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.intp] | None]:
     # The distinct rows, and for each row its index among them; all rows and None if all differ.
     rows = np.ascontiguousarray(groups + 0.0)  # -0.0 is 0.0
     # One number a row, by a sum of products of its bits: 64 bits sort faster than whole rows.
     factors = np.random.default_rng(0).integers(1, 2**63, rows.shape[1], dtype=np.uint64) * 2 + 1
-    marks = (rows.view(np.uint64) * factors).sum(axis=1, dtype=np.uint64)
-    marks ^= marks >> np.uint64(29)
-    ordered = np.sort(marks)
-    if (ordered[1:] != ordered[:-1]).all():
+    hashes = (rows.view(np.uint64) * factors).sum(axis=1, dtype=np.uint64)
+    hashes ^= hashes >> np.uint64(29)
+    sorted_hashes = np.sort(hashes)
+    if (sorted_hashes[1:] != sorted_hashes[:-1]).all():
         return rows, None  # the usual case, for a tenth of the work below
-    _, first, where = np.unique(marks, return_index=True, return_inverse=True)
-    order = np.argsort(first, kind="stable")  # in the order of the grid, whatever the marks
-    place = np.empty_like(order)
-    place[order] = np.arange(order.size)
-    different, where = rows[first[order]], place[where]
-    if not np.array_equal(different[where], rows, equal_nan=True):
+    _, first_rows, row_indices = np.unique(hashes, return_index=True, return_inverse=True)
+    order = np.argsort(first_rows, kind="stable")  # in the order of the grid, whatever the marks
+    position = np.empty_like(order)
+    position[order] = np.arange(order.size)
+    distinct, row_indices = rows[first_rows[order]], position[row_indices]
+    if not np.array_equal(distinct[row_indices], rows, equal_nan=True):
         return rows, None  # two rows share a mark
-    return different, where
+    return distinct, row_indices

@@ -135,10 +135,10 @@ def checked(motion: Motion) -> Motion:
     finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])
     on_floor = motion.stick + motion.forward + motion.backward
     never_landed = (motion.flight > 0) & (motion.impacts == 0) & (on_floor == 0)
-    lost = answered & (~finite | never_landed)
-    status = np.where(lost, np.int8(STATUS["limit_reached"]), motion.status)
-    none = status == STATUS["limit_reached"]
-    fields = [np.where(none, np.nan, field) for field in motion[:-1]]
+    fails = answered & (~finite | never_landed)
+    status = np.where(fails, np.int8(STATUS["limit_reached"]), motion.status)
+    has_no_result = status == STATUS["limit_reached"]
+    fields = [np.where(has_no_result, np.nan, field) for field in motion[:-1]]
     return with_whole_shares(Motion._make([*fields, status]))
 
 
@@ -269,12 +269,12 @@ def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
 
     Nothing pushes such a part across: no drive, no lean and, with a wall, no curve.
     """
-    pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
+    pushed_across = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
         groups.gravity_number_across, 0.0
     )
     if contacts.wall:
-        pushed = pushed | np.not_equal(groups.curvature_number, 0.0)
-    return np.asarray(~pushed)
+        pushed_across = pushed_across | np.not_equal(groups.curvature_number, 0.0)
+    return np.asarray(~pushed_across)
 
 
 def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int, ...]]:
@@ -297,13 +297,13 @@ def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64]
 
 
 def groups_of(
-    rows: NDArray[np.float64], waved: bool, more: int = 0
+    rows: NDArray[np.float64], has_wave: bool, setting_count: int = 0
 ) -> tuple[Groups, NDArray[np.float64]]:
-    """Return the groups of cells, and `more` settings, an array each; inverse of `cells_of`."""
+    """Return the groups of cells, and `setting_count` settings as arrays; inverse of `cells_of`."""
     numbers = len(Groups._fields) - 1
     columns = rows.T
-    wave = of_columns(rows[:, numbers + more :]) if waved else None
-    return Groups._make((*columns[:numbers], wave)), columns[numbers : numbers + more]
+    wave = of_columns(rows[:, numbers + setting_count :]) if has_wave else None
+    return Groups._make((*columns[:numbers], wave)), columns[numbers : numbers + setting_count]
 
 
 def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
@@ -312,8 +312,8 @@ def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     whole, _ = groups_of(rows, groups.wave is not None)
 
     def of(cell: int) -> Groups:
-        own = None if whole.wave is None else Wave(*(part[..., cell] for part in whole.wave))
-        return Groups._make((*(float(number[cell]) for number in whole.numbers), own))
+        wave = None if whole.wave is None else Wave(*(array[..., cell] for array in whole.wave))
+        return Groups._make((*(float(number[cell]) for number in whole.numbers), wave))
 
     return map(of, range(len(rows))), shape
 

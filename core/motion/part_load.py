@@ -88,7 +88,7 @@ class LoadCurve(NamedTuple):
     Attributes
     ----------
     cell : ndarray of int
-    at : ndarray
+    logarithm : ndarray
         Logarithm of the amplitude [m].
     mass, damping : ndarray
         As in `Load`.
@@ -99,7 +99,7 @@ class LoadCurve(NamedTuple):
     """
 
     cell: NDArray[np.intp]
-    at: Array
+    logarithm: Array
     mass: Array
     damping: Array
     excess: Array
@@ -117,13 +117,13 @@ class LoadCurve(NamedTuple):
 
     def may_cross(self) -> Mask:
         """True where h may pass 0 between two rows, and back, as far as its slope can tell."""
-        size = np.abs(self.excess)
+        distance = np.abs(self.excess)
         nearest = np.zeros_like(self.repeats)
-        nearest[1:-1] = (size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:])
+        nearest[1:-1] = (distance[1:-1] <= distance[:-2]) & (distance[1:-1] <= distance[2:])
         nearest[1:-1] &= self.joined[:-1] & self.joined[1:]
         slope = np.where(nearest[:-1] | nearest[1:], TURNING, STEEP)
-        reach = slope * np.diff(self.at)
-        return self.joined & self.exact & (size[1:] + size[:-1] < reach)
+        largest_change = slope * np.diff(self.logarithm)
+        return self.joined & self.exact & (distance[1:] + distance[:-1] < largest_change)
 
 
 def part_load(
@@ -138,16 +138,23 @@ def part_load(
     of a part; only those on this way are kept. On a bowl's `track` with stretches the load acts at
     its own place, else where the part is.
     """
-    at = ("track_fraction", "stretches") if track else ()
-    respond = between(of_unit, ("part_load", *at), ("track_amplitude", "vibration_angle"))
-    turn = between(of_part, ("amplitude", "beta", *at), ("groups",))
+    location = ("track_fraction", "stretches") if track else ()
+    unit_equations = between(
+        of_unit, ("part_load", *location), ("track_amplitude", "vibration_angle")
+    )
+    part_equations = between(of_part, ("amplitude", "beta", *location), ("groups",))
     inputs = {"conveyed_mass", "moving_mass", "circular_frequency", "gravity"}
-    inputs |= {name for one in (*respond, *turn) for name in one.inputs}
-    inputs -= {one.gives for one in (*respond, *turn)} | {"part_load", "amplitude", "beta", *at}
-    if not any(one.gives == "vibration_angle" for one in respond):
+    inputs |= {name for equation in (*unit_equations, *part_equations) for name in equation.inputs}
+    inputs -= {equation.gives for equation in (*unit_equations, *part_equations)} | {
+        "part_load",
+        "amplitude",
+        "beta",
+        *location,
+    }
+    if not any(equation.gives == "vibration_angle" for equation in unit_equations):
         inputs.add("vibration_angle")
     inputs |= {"load_fraction", *track.inputs} if track else set()
-    return PartLoad(respond, turn, contacts, tuple(sorted(inputs)), track)
+    return PartLoad(unit_equations, part_equations, contacts, tuple(sorted(inputs)), track)
 
 
 @dataclass(frozen=True)
@@ -156,9 +163,9 @@ class PartLoad:
 
     Attributes
     ----------
-    respond : tuple of Equation
+    unit_equations : tuple of Equation
         From a `Load` to amplitude and angle of the track.
-    turn : tuple of Equation
+    part_equations : tuple of Equation
         From amplitude and angle to the groups of a part.
     contacts : Contacts
         What a part can touch.
@@ -168,8 +175,8 @@ class PartLoad:
         Of a bowl, with stretches.
     """
 
-    respond: tuple[Equation, ...]
-    turn: tuple[Equation, ...]
+    unit_equations: tuple[Equation, ...]
+    part_equations: tuple[Equation, ...]
     contacts: Contacts
     needs: tuple[str, ...]
     track: Track | None
@@ -178,173 +185,209 @@ class PartLoad:
         """Return the load of the parts in every cell, from the quantities of `needs` by name."""
         return in_pieces(self._of_cells, {name: inputs[name] for name in self.needs}, PIECE)
 
-    def amplitude(self, known: Mapping[str, Array], mass: Array, damping: Array) -> tuple[Any, Any]:
+    def amplitude(
+        self, quantities: Mapping[str, Array], mass: Array, damping: Array
+    ) -> tuple[Any, Any]:
         """Return amplitude [m] and angle [rad] of the track under a mass and damper of parts."""
-        none = np.zeros(mass.shape, dtype=bool)
-        some = Load(mass, damping, mass, none, none, none)
-        found = run(self.respond, {**self._placed(known), "part_load": some})
-        return found["track_amplitude"], found["vibration_angle"]
+        false = np.zeros(mass.shape, dtype=bool)
+        load = Load(mass, damping, mass, false, false, false)
+        results = run(self.unit_equations, {**self._with_location(quantities), "part_load": load})
+        return results["track_amplitude"], results["vibration_angle"]
 
-    def carried(self, known: Mapping[str, Array], amplitude: Array) -> tuple[Array, Array, Mask]:
+    def mass_and_damper(
+        self, quantities: Mapping[str, Array], amplitude: Array
+    ) -> tuple[Array, Array, Mask]:
         """Return mass and damper [kg, N s m-1] that parts are on a track, and if they repeat.
 
         At given amplitudes [m]: the mass m (1 + 2 <u.b'>/p^2) and the damper 2 m w drive/p^2 (w = 2
         pi f), with the mass m of the parts, the drive number p, and the mean `swing` <u.b'> and
         power `drive` of a part's motion, which is followed for this (theory 13.15).
         """
-        mass, damping = known["conveyed_mass"], np.zeros_like(known["conveyed_mass"])
-        turns = any(one.gives == "vibration_angle" for one in self.respond)
-        for _ in range(PASSES if turns else 1):
-            _, angle = self.amplitude(known, mass, damping)
-            groups = self._groups(known, amplitude, angle)
-            square = sum(np.square(number) for number in groups.drive)
+        mass, damping = quantities["conveyed_mass"], np.zeros_like(quantities["conveyed_mass"])
+        turns_vibration = any(
+            equation.gives == "vibration_angle" for equation in self.unit_equations
+        )
+        for _ in range(PASSES if turns_vibration else 1):
+            _, angle = self.amplitude(quantities, mass, damping)
+            groups = self._groups(quantities, amplitude, angle)
+            drive_squared = sum(np.square(number) for number in groups.drive)
             motion = motion_by_events(groups, self.contacts, **SETTINGS)
             energy = energy_by_events(groups, self.contacts, motion, **SETTINGS, averages=True)
-            mass = known["conveyed_mass"] * (1.0 + 2.0 * energy.swing / square)
-            rate = known["circular_frequency"] * known["conveyed_mass"]
-            damping = rate * 2.0 * energy.drive / square
+            mass = quantities["conveyed_mass"] * (1.0 + 2.0 * energy.swing / drive_squared)
+            rate = quantities["circular_frequency"] * quantities["conveyed_mass"]
+            damping = rate * 2.0 * energy.drive / drive_squared
         return mass, damping, motion.multiple > 0
 
-    def _placed(self, known: Mapping[str, Array]) -> dict[str, Any]:
+    def _with_location(self, quantities: Mapping[str, Array]) -> dict[str, Any]:
         if self.track is None:
-            return {**known}
-        stretches = self.track.stretches(**{name: known[name] for name in self.track.inputs})
-        return {**known, "track_fraction": known["load_fraction"], "stretches": stretches}
+            return {**quantities}
+        stretches = self.track.stretches(**{name: quantities[name] for name in self.track.inputs})
+        return {**quantities, "track_fraction": quantities["load_fraction"], "stretches": stretches}
 
-    def _groups(self, known: Mapping[str, Array], amplitude: Array, angle: Array) -> Groups:
-        known = {**self._placed(known), "amplitude": amplitude, "beta": angle}
-        return run(self.turn, known)["groups"]
+    def _groups(self, quantities: Mapping[str, Array], amplitude: Array, angle: Array) -> Groups:
+        quantities = {**self._with_location(quantities), "amplitude": amplitude, "beta": angle}
+        return run(self.part_equations, quantities)["groups"]
 
-    def _of_cells(self, known: dict[str, Array]) -> Load:
+    def _of_cells(self, quantities: dict[str, Array]) -> Load:
         # The smallest amplitude at which the excess falls through 0 is where a unit comes to rest
         # when it is switched on. NaN where there is none.
-        curve = self._curve(known)
+        curve = self._curve(quantities)
         falls = (curve.excess[:-1] > 0.0) & (curve.excess[1:] <= 0.0) & curve.joined
         rises = (curve.excess[:-1] <= 0.0) & (curve.excess[1:] > 0.0) & curve.joined
-        some = np.flatnonzero(falls)
-        cells, start = np.unique(curve.cell[some], return_index=True)
-        first, last = some[start], some[np.append(start[1:], len(some))[: len(start)] - 1]
-        crossings = np.bincount(curve.cell[:-1][falls | rises], minlength=len(known["moving_mass"]))
-        apart = curve.exact[first] | (curve.at[last] - curve.at[first] > SCATTERED * STEP)
-        several = (crossings[cells] > 1) & apart
+        falling = np.flatnonzero(falls)
+        cells, start = np.unique(curve.cell[falling], return_index=True)
+        first, last = falling[start], falling[np.append(start[1:], len(falling))[: len(start)] - 1]
+        crossings = np.bincount(
+            curve.cell[:-1][falls | rises], minlength=len(quantities["moving_mass"])
+        )
+        is_distinct = curve.exact[first] | (
+            curve.logarithm[last] - curve.logarithm[first] > SCATTERED * STEP
+        )
+        several = (crossings[cells] > 1) & is_distinct
 
-        more = last > first
-        index = np.concatenate([first, last[more]])
-        owners = {name: value[curve.cell[index]] for name, value in known.items()}
-        amplitude, mass, damping, hunts = self._agreement(owners, curve, index)
+        has_several = last > first
+        index = np.concatenate([first, last[has_several]])
+        quantities_there = {name: value[curve.cell[index]] for name, value in quantities.items()}
+        amplitude, mass, damping, hunts = self._agreement(quantities_there, curve, index)
         count = len(cells)
         largest = amplitude[:count].copy()
-        largest[more] = amplitude[count:]
-        numbers = (mass[:count], damping[:count], largest)
-        thrown = self._thrown({n: v[cells] for n, v in known.items()}, *numbers[:2])
+        largest[has_several] = amplitude[count:]
+        results = (mass[:count], damping[:count], largest)
+        thrown = self._thrown(
+            {name: value[cells] for name, value in quantities.items()}, *results[:2]
+        )
         load = Load._make(
             np.full(len(crossings), empty)
             for empty in (np.nan, np.nan, np.nan, False, False, False)
         )
-        for all_cells, part in zip(load, (*numbers, several, hunts[:count], thrown), strict=True):
-            all_cells[cells] = part
+        for column, values in zip(load, (*results, several, hunts[:count], thrown), strict=True):
+            column[cells] = values
         return load
 
-    def _curve(self, known: dict[str, Array]) -> LoadCurve:
-        least, most = self._extremes(known)
+    def _curve(self, quantities: dict[str, Array]) -> LoadCurve:
+        # A table over amplitudes at equal steps of the logarithm, halved where the excess may pass
+        # 0.
+        lowest, highest = self._extremes(quantities)
         # A unit that is too heavy or too stiff to move at all meets no load: one amplitude tells.
-        moves = (least > 0.0) & np.isfinite(most)
-        least, most = np.where(moves, least, 1.0), np.where(moves, most, 1.0)
+        moves = (lowest > 0.0) & np.isfinite(highest)
+        lowest, highest = np.where(moves, lowest, 1.0), np.where(moves, highest, 1.0)
         # Cells that differ in what the motion does not know share its amplitudes, and its motions.
-        bottom, top = np.floor(np.log(least) / STEP), np.ceil(np.log(most) / STEP)
+        bottom, top = np.floor(np.log(lowest) / STEP), np.ceil(np.log(highest) / STEP)
         count = (top - bottom).astype(np.int64) + 1
         cell = np.repeat(np.arange(len(count)), count)
         step = np.arange(len(cell)) - (np.cumsum(count) - count)[cell]
-        curve = self._loads(known, cell, STEP * (bottom[cell] + step))
+        curve = self._curve_points(quantities, cell, STEP * (bottom[cell] + step))
         for _ in range(HALVINGS):
-            near = np.flatnonzero(curve.may_cross())
-            if not near.size:
+            crossing = np.flatnonzero(curve.may_cross())
+            if not crossing.size:
                 break
-            middle = 0.5 * (curve.at[near] + curve.at[near + 1])
-            more = self._loads(known, curve.cell[near], middle)
+            middle = 0.5 * (curve.logarithm[crossing] + curve.logarithm[crossing + 1])
+            refined = self._curve_points(quantities, curve.cell[crossing], middle)
             curve = LoadCurve._make(
-                np.insert(old, near + 1, new) for old, new in zip(curve, more, strict=True)
+                np.insert(old, crossing + 1, new) for old, new in zip(curve, refined, strict=True)
             )
         return curve
 
-    def _loads(self, known: dict[str, Array], cell: NDArray[np.intp], at: Array) -> LoadCurve:
-        here = {name: value[cell] for name, value in known.items()}
-        mass, damping, repeats = self.carried(here, np.exp(at))
-        return LoadCurve(cell, at, mass, damping, self._left(here, mass, damping, at), repeats)
+    def _curve_points(
+        self, quantities: dict[str, Array], cell: NDArray[np.intp], logarithm: Array
+    ) -> LoadCurve:
+        # The load of the parts at given amplitudes, and h = ln(A_unit/A) there.
+        quantities_there = {name: value[cell] for name, value in quantities.items()}
+        mass, damping, repeats = self.mass_and_damper(quantities_there, np.exp(logarithm))
+        return LoadCurve(
+            cell,
+            logarithm,
+            mass,
+            damping,
+            self._log_excess(quantities_there, mass, damping, logarithm),
+            repeats,
+        )
 
-    def _thrown(self, known: dict[str, Array], mass: Array, damping: Array) -> Mask:
+    def _thrown(self, quantities: dict[str, Array], mass: Array, damping: Array) -> Mask:
         # The track is taken to move as a sine: parts thrown far, and heavy, disturb that.
-        amplitude, angle = self.amplitude(known, mass, damping)
-        groups = self._groups(known, amplitude, angle)
+        amplitude, angle = self.amplitude(quantities, mass, damping)
+        groups = self._groups(quantities, amplitude, angle)
         high = np.abs(groups.drive_number_normal) > THROWN * groups.gravity_number_normal
-        heavy = known["conveyed_mass"] > FELT * known["moving_mass"]
+        heavy = quantities["conveyed_mass"] > FELT * quantities["moving_mass"]
         return np.asarray(high & heavy)
 
     def _agreement(
-        self, known: dict[str, Array], curve: LoadCurve, index: NDArray[np.intp]
+        self, quantities: dict[str, Array], curve: LoadCurve, index: NDArray[np.intp]
     ) -> tuple[Array, Array, Array, Mask]:
-        low, mass, damping = (part[index] for part in curve[1:4])
-        high, next_mass, next_damping = (part[index + 1] for part in curve[1:4])
+        # The root of the excess between the rows `index` and `index + 1` of the curve. Where the
+        # load still differs at the root, the motion jumps there: it is found again on the straight
+        # line. Return amplitude, mass and damping, and True where the motion jumps.
+        low, mass, damping = (values[index] for values in curve[1:4])
+        high, next_mass, next_damping = (values[index + 1] for values in curve[1:4])
         exact = curve.exact[index]
-        columns = tuple(known[name] for name in self.needs)
-        line = (low, mass, damping, high, next_mass, next_damping)
+        columns = tuple(quantities[name] for name in self.needs)
+        neighbours = (low, mass, damping, high, next_mass, next_damping)
         jumps = np.zeros_like(exact)
         for _ in range(2):
-            here = (exact & ~jumps, *line)
-            root = _elementwise().find_root(self._excess, (low, high), args=(*here, *columns)).x
-            mass, damping = self._load(root, known, *here)
-            left = np.abs(self._left(known, mass, damping, root))
-            jumps |= left > AGREES
+            bracket = (exact & ~jumps, *neighbours)
+            root = (
+                _elementwise()
+                .find_root(self._log_excess_at, (low, high), args=(*bracket, *columns))
+                .x
+            )
+            mass, damping = self._load_between(root, quantities, *bracket)
+            remainder = np.abs(self._log_excess(quantities, mass, damping, root))
+            jumps |= remainder > AGREES
             if not jumps.any():
                 break
         return np.exp(root), mass, damping, jumps
 
-    def _load(
-        self, logarithm: Array, known: Mapping[str, Array], exact: Mask, low: Array, mass: Array,
-        damping: Array, high: Array, next_mass: Array, next_damping: Array,
+    def _load_between(
+        self, logarithm: Array, quantities: Mapping[str, Array], exact: Mask, low: Array,
+        mass: Array, damping: Array, high: Array, next_mass: Array, next_damping: Array,
     ) -> tuple[Array, Array]:  # fmt: skip
         # Between two known amplitudes: motions that repeat (`exact`) are followed anew, the means
         # of others scatter.
-        share = (logarithm - low) / (high - low)
-        mass = mass + share * (next_mass - mass)
-        damping = damping + share * (next_damping - damping)
+        fraction = (logarithm - low) / (high - low)
+        mass = mass + fraction * (next_mass - mass)
+        damping = damping + fraction * (next_damping - damping)
         if exact.any():
-            some = {name: value[exact] for name, value in known.items()}
-            mass[exact], damping[exact], _ = self.carried(some, np.exp(logarithm[exact]))
+            exact_quantities = {name: value[exact] for name, value in quantities.items()}
+            mass[exact], damping[exact], _ = self.mass_and_damper(
+                exact_quantities, np.exp(logarithm[exact])
+            )
         return mass, damping
 
-    def _excess(self, logarithm: Array, *columns: Array) -> Array:
-        line: Any = columns[: -len(self.needs)]
-        known = dict(zip(self.needs, columns[len(line) :], strict=True))
-        return self._left(known, *self._load(logarithm, known, *line), logarithm)
+    def _log_excess_at(self, logarithm: Array, *columns: Array) -> Array:
+        neighbours: Any = columns[: -len(self.needs)]
+        quantities = dict(zip(self.needs, columns[len(neighbours) :], strict=True))
+        return self._log_excess(
+            quantities, *self._load_between(logarithm, quantities, *neighbours), logarithm
+        )
 
-    def _left(
-        self, known: Mapping[str, Array], mass: Array, damping: Array, logarithm: Array
+    def _log_excess(
+        self, quantities: Mapping[str, Array], mass: Array, damping: Array, logarithm: Array
     ) -> Array:
         with np.errstate(invalid="ignore"):
-            return np.asarray(np.log(self.amplitude(known, mass, damping)[0]) - logarithm)
+            return np.asarray(np.log(self.amplitude(quantities, mass, damping)[0]) - logarithm)
 
-    def _extremes(self, known: dict[str, Array]) -> tuple[Array, Array]:
-        def amplitude(share: Array, *columns: Array) -> Array:
-            here = dict(zip(self.needs, columns, strict=True))
-            mass = share * here["conveyed_mass"]
-            return np.asarray(self.amplitude(here, mass, np.zeros_like(mass))[0])
+    def _extremes(self, quantities: dict[str, Array]) -> tuple[Array, Array]:
+        # Least and largest amplitude that a load between the bounds `SHARES` of its mass can leave.
+        def amplitude(mass_fraction: Array, *columns: Array) -> Array:
+            quantities_there = dict(zip(self.needs, columns, strict=True))
+            mass = mass_fraction * quantities_there["conveyed_mass"]
+            return np.asarray(self.amplitude(quantities_there, mass, np.zeros_like(mass))[0])
 
-        def softness(share: Array, most: Array, *columns: Array) -> Array:
-            return np.square(most / amplitude(share, *columns))
+        def softness(mass_fraction: Array, largest: Array, *columns: Array) -> Array:
+            return np.square(largest / amplitude(mass_fraction, *columns))
 
-        columns = tuple(known[name] for name in self.needs)
-        table = np.array([amplitude(share, *columns) for share in SHARES])
-        near, most = np.clip(np.argmax(table, axis=0), 1, len(SHARES) - 2), table.max(axis=0)
-        bracket = (SHARES[near - 1], SHARES[near], SHARES[near + 1])
+        columns = tuple(quantities[name] for name in self.needs)
+        table = np.array([amplitude(mass_fraction, *columns) for mass_fraction in SHARES])
+        nearest, largest = np.clip(np.argmax(table, axis=0), 1, len(SHARES) - 2), table.max(axis=0)
+        bracket = (SHARES[nearest - 1], SHARES[nearest], SHARES[nearest + 1])
         peak = (
             _elementwise()
-            .find_minimum(softness, bracket, args=(most, *columns), tolerances={"frtol": 0.01})
+            .find_minimum(softness, bracket, args=(largest, *columns), tolerances={"frtol": 0.01})
             .f_x
         )
-        highest = HIGHEST * known["gravity"] / np.square(known["circular_frequency"])
-        resonant = np.minimum(most / np.sqrt(peak), highest)
-        return BELOW * table.min(axis=0), BEYOND * np.fmax(most, resonant)
+        highest = HIGHEST * quantities["gravity"] / np.square(quantities["circular_frequency"])
+        resonant = np.minimum(largest / np.sqrt(peak), highest)
+        return BELOW * table.min(axis=0), BEYOND * np.fmax(largest, resonant)
 
 
 def _elementwise() -> ModuleType:

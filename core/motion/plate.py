@@ -34,37 +34,38 @@ PLATE = "part-on-plate"
 
 def _on_plate(follow: Follow) -> Follow:
     @wraps(follow)
-    def followed(*, groups: Groups, **others: Any) -> Any:
-        here, angle = turned(groups)
-        result = follow(groups=here, **others)
+    # A method that follows the part in turned axes, and turns its velocity back.
+    def follow_turned(*, groups: Groups, **settings: Any) -> Any:
+        turned_groups, angle = turned(groups)
+        result = follow(groups=turned_groups, **settings)
         if not isinstance(result, Motion):  # energy is the same in all axes
             return result
         velocity, across = turn(result.velocity, result.across, -angle)
         return result._replace(velocity=velocity, across=across)
 
-    return followed
+    return follow_turned
 
 
-def trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+def trajectory(request: TrajectoryRequest, contacts: Contacts) -> Trajectory:
     """Return the trajectory of one part: its path over the plate, and its height above it."""
-    groups, length = asked.groups, asked.scale("length_scale")
-    here, angle = turned(groups)
-    turned_request = asked._replace(arguments={**asked.arguments, "groups": here})
+    groups, length = request.groups, request.scale("length_scale")
+    turned_groups, angle = turned(groups)
+    turned_request = request._replace(arguments={**request.arguments, "groups": turned_groups})
     path, modes = events.path_of(turned_request, contacts)
-    for part in (path.position, path.velocity):
-        part[:, 0], part[:, 1] = turn(part[:, 0], part[:, 1], -angle)
+    for vectors in (path.position, path.velocity):
+        vectors[:, 0], vectors[:, 1] = turn(vectors[:, 0], vectors[:, 1], -angle)
     path.position[:, :2] -= path.position[0, :2]
     return {
-        **asked.trajectory(path, modes, wall=False),
+        **request.trajectory(path, modes, wall=False),
         "position_across": path.position[:, 1] * length,
-        "relative_velocity_across": path.velocity[:, 1] * asked.scale("velocity_scale"),
+        "relative_velocity_across": path.velocity[:, 1] * request.scale("velocity_scale"),
         "track_across": displacement(groups, ACROSS, path.phase) * length,
     }
 
 
 @wraps(events.EVENTS.follow)
-def _settled(*, groups: Groups, **others: Any) -> Motion:
-    return with_limits(events.EVENTS.follow(groups=groups, **others), groups)
+def _settled(*, groups: Groups, **settings: Any) -> Motion:
+    return with_limits(events.EVENTS.follow(groups=groups, **settings), groups)
 
 
 METHODS: dict[str, Method] = {

@@ -8,7 +8,7 @@ from vibrafeed.core.errors import Problem, StudyError, raise_any, refused
 from vibrafeed.core.lazy.checks import problems_of, problems_of_names
 from vibrafeed.core.motion import rolling_scene, row_scene
 from vibrafeed.core.motion.drive_units import on_unit, unit_of
-from vibrafeed.core.motion.drives import driven, shape_of, what_is_open
+from vibrafeed.core.motion.drives import driven, problems_of_wave, shape_of
 from vibrafeed.core.motion.method import Contacts, Method
 from vibrafeed.core.motion.plate import PLATE
 from vibrafeed.core.motion.record import RESULTS, SCALES, Record
@@ -90,9 +90,9 @@ def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method |
     """
     scene, methods = plan.scene, methods_of(plan.scene.name)
     for name in methods[plan.variant].checked_by:
-        concerned = [one for one in scene.constraints if one.variant == name]
-        held = not any(set(one.parameters) & set(free) for one in concerned)
-        if name in scene.variants and held and not [*broken_constraints(scene, name, grid)]:
+        constraints = [constraint for constraint in scene.constraints if constraint.variant == name]
+        is_free = not any(set(constraint.parameters) & set(free) for constraint in constraints)
+        if name in scene.variants and is_free and not [*broken_constraints(scene, name, grid)]:
             return methods[name]
     return None
 
@@ -107,26 +107,31 @@ def choose_system(name: str, method: str | None, parameters: Iterable[str]) -> C
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     names = tuple(parameters)
     if name == PLATE:
-        shape, of_shape = shape_of(names)
-        if of_shape:
-            raise StudyError([*problems, *of_shape])
+        shape, shape_problems = shape_of(names)
+        if shape_problems:
+            raise StudyError([*problems, *shape_problems])
         return (driven(scene, shape) if shape else scene), method, problems
-    names = tuple(one for one in names if one not in TURNS)  # of a plate alone
+    names = tuple(parameter for parameter in names if parameter not in TURNS)  # of a plate alone
     if name not in CONTACTS and name != row_scene.ROW:
         return scene, method, problems
-    shape, of_shape = shape_of(names)
-    unit, of_unit = unit_of(names)
+    shape, shape_problems = shape_of(names)
+    unit, unit_problems = unit_of(names)
     if name == row_scene.ROW:
-        scene, of_row = row_scene.row_of(names), [*row_scene.problems_of_row(names), *of_shape]
-        if of_row:
-            raise StudyError([*problems, *of_row])
-        of_unit += row_scene.problems_of_load(names) if unit is not None and unit.loaded else []
+        scene, row_problems = (
+            row_scene.row_of(names),
+            [*row_scene.problems_of_row(names), *shape_problems],
+        )
+        if row_problems:
+            raise StudyError([*problems, *row_problems])
+        unit_problems += (
+            row_scene.problems_of_load(names) if unit is not None and unit.loaded else []
+        )
     elif FALLING in names:
         scene = with_falling_restitution(scene, names)
     if unit is None:  # of which drive the others are missing, or too many, nobody knows
-        of_unit += of_shape
-    if of_unit:
-        raise StudyError([*problems, *of_unit])
+        unit_problems += shape_problems
+    if unit_problems:
+        raise StudyError([*problems, *unit_problems])
     if unit is not None:
         scene = on_unit(scene, unit, CONTACTS.get(name, Contacts()))
     return (driven(scene, shape) if shape else scene), method, problems
@@ -151,7 +156,7 @@ def prepare(study: SimulateStudy) -> Simulation:
 
     Raises `StudyError` with every problem of scene, method, outputs, settings and parameters.
     """
-    scene, method, wrong = choose_system(study.scene, study.method, study.values())
+    scene, method, scene_problems = choose_system(study.scene, study.method, study.values())
     if study.drive is not None and scene.name not in CONTACTS:
         raise refused(
             "drive",
@@ -163,22 +168,24 @@ def prepare(study: SimulateStudy) -> Simulation:
         scene = record.drives(scene, method)
     settings = study.settings()
     never_left_out = ("motion_status", "mean_acceleration") if study.reduce is None else ()
-    more = [name for name in never_left_out if name in scene.outputs(method)]
-    asked = tuple(dict.fromkeys((*study.outputs, *more)))
+    extra_outputs = [name for name in never_left_out if name in scene.outputs(method)]
+    outputs = tuple(dict.fromkeys((*study.outputs, *extra_outputs)))
     if study.trajectory is not None:  # its way back to metres and seconds has to be planned
-        asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
+        outputs += tuple(
+            scale for scale in SCALES if scale not in outputs and scale in scene.outputs(method)
+        )
     problems = [
         *problems_of_settings(study, scene, method),
         *_problems_of_trajectory(study, scene, method),
         *_problems_of_reduction(study),
     ]
     try:
-        plan, grid = plan_study(study, asked, (scene, method, wrong))
+        plan, grid = plan_study(study, outputs, (scene, method, scene_problems))
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     shape, _ = shape_of(study.values())
     if shape is not None and not set(shape.inputs) & set(grid.axes):
-        problems += what_is_open(shape, grid.si())
+        problems += problems_of_wave(shape, grid.si())
     problems += _shows_too_much(study, grid)
     problems += problems_of(study.reduce, plan, grid) if study.reduce is not None else []
     raise_any(problems)
@@ -201,12 +208,17 @@ def record_of(study: SimulateStudy) -> Record | None:
 
 
 def _problems_of_record(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
+    # A recording that is followed once gives bursts only, and only of scenes that have them.
     if "burst" not in scene.producers(method):
         message = f"{scene.name} cannot use a recording without a fit (once = true)"
-        followed = [name for name, one in SYSTEMS.items() if "burst" in one.producers("events")]
+        followed = [
+            name
+            for name, other_scene in SYSTEMS.items()
+            if "burst" in other_scene.producers("events")
+        ]
         yield Problem("drive.once", message, f"Choose among {', '.join(followed)}")
-    elif others := [name for name in study.outputs if name not in RESULTS]:
-        message = f"{others[0]} cannot be computed from a recording with once = true"
+    elif unavailable := [name for name in study.outputs if name not in RESULTS]:
+        message = f"{unavailable[0]} cannot be computed from a recording with once = true"
         yield Problem("outputs", message, f"Request {' or '.join(RESULTS)}")
 
 
@@ -217,6 +229,7 @@ def fix_for_unused_setting(scene: Scene, setting: str) -> str:
 
 
 def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> Iterable[Problem]:
+    # A trajectory is of one cell, by a method that gives more than means.
     if study.trajectory is None:
         return
     axes = [name for name, values in study.values().items() if not isinstance(values, Fixed)]
@@ -238,6 +251,7 @@ def _problems_of_trajectory(study: SimulateStudy, scene: Scene, method: str) -> 
 
 
 def _problems_of_reduction(study: SimulateStudy) -> Iterable[Problem]:
+    # What cannot be given beside statistics in place of the cells.
     if study.reduce is None:
         return
     yield from problems_of_names(study.reduce, study.outputs, study.values())
@@ -251,6 +265,7 @@ def _problems_of_reduction(study: SimulateStudy) -> Iterable[Problem]:
 
 
 def _shows_too_much(study: SimulateStudy, grid: Grid) -> Iterable[Problem]:
+    # A trajectory whose last time lies more than `MAX_PERIODS` periods from the first.
     last = study.trajectory[-1] if isinstance(study.trajectory, tuple) else 0.0
     shown = last * grid.fixed.get("frequency", 0.0)
     if shown > MAX_PERIODS:

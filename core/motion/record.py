@@ -46,8 +46,8 @@ class Ramp:
 
     def speed(self, phase: Numbers) -> Numbers:
         """Return the velocity of the track along at a phase."""
-        since = phase - self.start
-        return self.track - float(self.first[0]) * since - float(self.slope[0]) * since**2 / 2
+        elapsed = phase - self.start
+        return self.track - float(self.first[0]) * elapsed - float(self.slope[0]) * elapsed**2 / 2
 
     @property
     def steepest(self) -> float:
@@ -74,15 +74,15 @@ class Record:
         """
         times = np.array(samples["time"])
         values = np.stack([samples.get(axis, np.zeros(times.size)) for axis in AXES], axis=-1)
-        lasts = np.diff(times)[:, np.newaxis]
+        durations = np.diff(times)[:, np.newaxis]
         first, rises = values[:-1], np.diff(values, axis=0)
         if derivative == 1:
-            first, rises = rises / lasts, np.zeros(rises.shape)
+            first, rises = rises / durations, np.zeros(rises.shape)
         peaks = np.maximum(np.abs(first), np.abs(first + rises)).max(axis=0)
-        unit = np.where(peaks > 0.0, peaks, 1.0)
+        scale = np.where(peaks > 0.0, peaks, 1.0)
         phases = TURN * times / times[-1]
         slopes = rises / np.diff(phases)[:, np.newaxis]
-        return cls(peaks, scipy.interpolate.PPoly(-np.stack([slopes, first]) / unit, phases))
+        return cls(peaks, scipy.interpolate.PPoly(-np.stack([slopes, first]) / scale, phases))
 
     def moved(self, axis: int, phases: Array, integrals: int) -> Array:
         """Return velocity (1) or displacement (2) of the track over the drive number of the axis.
@@ -90,9 +90,9 @@ class Record:
         From rest at phase 0; later turns repeat the first.
         """
         turns, within = np.divmod(phases, TURN)
-        moves = self.push.antiderivative(integrals)
-        moved: Array = -(moves(within)[..., axis] + turns * moves(TURN)[axis])
-        return moved
+        integral = self.push.antiderivative(integrals)
+        movement: Array = -(integral(within)[..., axis] + turns * integral(TURN)[axis])
+        return movement
 
     def pieces(
         self, drive: tuple[float, float, float], begin: float, end: float
@@ -101,30 +101,30 @@ class Record:
         (slopes, first), phases = np.array(drive) * self.push.c, self.push.x
         speeds = drive[0] * self.moved(0, phases[:-1], 1)
         turn, within = divmod(begin, TURN)
-        number = int(np.searchsorted(phases, within, side="right")) - 1
+        index = int(np.searchsorted(phases, within, side="right")) - 1
         while True:
-            for k in range(number, len(slopes)):
+            for k in range(index, len(slopes)):
                 start, stop = (turn * TURN + phases[k : k + 2]).tolist()
                 yield Ramp(first[k], slopes[k], start, speeds[k]), min(stop, end)
                 if stop >= end:
                     return
-            turn, number = turn + 1, 0
+            turn, index = turn + 1, 0
 
     def drives(self, system: Scene, method: str) -> Scene:
         """Return a scene whose part this drive moves, once: it gives bursts and nothing else."""
-        known = system.producers(method)
-        burst = known["burst"]
-        own = {"burst": replace(burst, function=partial(burst.function, record=self))}
+        producers = system.producers(method)
+        burst = producers["burst"]
+        replaced = {"burst": replace(burst, function=partial(burst.function, record=self))}
         for axis, peak in zip(AXES, self.peaks.tolist(), strict=True):
-            own[f"drive_number_{axis}"] = Equation(
+            replaced[f"drive_number_{axis}"] = Equation(
                 f"drive_number_{axis}", partial(_drive_number, peak), "theory 13.9",
                 needs=("gravity", "drive_factor"),
                 says=f"Return the largest acceleration recorded {WHERE[axis]}, over gravity [1].",
             )  # fmt: skip
-        needed = behind((*RESULTS, *SCALES), {**known, **own}.get).values()
+        needed = behind((*RESULTS, *SCALES), {**producers, **replaced}.get).values()
         return replace(
             system,
-            variants={method: tuple(one for one in needed if one is not None)},
+            variants={method: tuple(equation for equation in needed if equation is not None)},
             default_variant=method,
             conditions={method: ()},
             defaults={**system.defaults, "drive_factor": 1.0},

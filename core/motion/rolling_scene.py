@@ -61,15 +61,18 @@ def block_groups(rolling_contact: RollingContact) -> Groups:
     18.2).
     """
     contact = rolling_contact
-    known = contact.free | contact.lifts | contact.runs_away
-    rubs = contact.resistance > 0
-    resistance = np.where(rubs, contact.resistance, 1.0)
-    friction = np.where(rubs, resistance, contact.drag / np.where(rubs, 1.0, contact.load))
+    needs_no_motion = contact.free | contact.lifts | contact.runs_away
+    has_resistance = contact.resistance > 0
+    resistance = np.where(has_resistance, contact.resistance, 1.0)
+    friction = np.where(
+        has_resistance, resistance, contact.drag / np.where(has_resistance, 1.0, contact.load)
+    )
     return Groups(
-        drive_number_along=np.where(known, 0.0, contact.along),
-        drive_number_normal=np.where(known | ~rubs, 0.0, contact.normal),
-        gravity_number_along=np.where(known, 0.0, contact.uphill),
-        gravity_number_normal=contact.load + np.where(rubs, contact.drag / resistance, 0.0),
+        drive_number_along=np.where(needs_no_motion, 0.0, contact.along),
+        drive_number_normal=np.where(needs_no_motion | ~has_resistance, 0.0, contact.normal),
+        gravity_number_along=np.where(needs_no_motion, 0.0, contact.uphill),
+        gravity_number_normal=contact.load
+        + np.where(has_resistance, contact.drag / resistance, 0.0),
         friction_static=friction,
         friction_kinetic=friction,
     )
@@ -84,12 +87,14 @@ def slip_groups(rolling_contact: RollingContact) -> Groups:
     does not turn. On other parts both are left out.
     """
     contact = rolling_contact
-    way = np.where(contact.runs_away, np.sign(contact.uphill), 0.0)
-    turning = way * contact.factor * np.minimum(contact.resistance, contact.kinetic)
+    direction = np.where(contact.runs_away, np.sign(contact.uphill), 0.0)
+    turning_friction = direction * contact.factor * np.minimum(contact.resistance, contact.kinetic)
     return Groups(
-        drive_number_along=contact.along + turning * contact.normal,
+        drive_number_along=contact.along + turning_friction * contact.normal,
         drive_number_normal=contact.normal,
-        gravity_number_along=contact.uphill + turning * contact.load - way * contact.drag,
+        gravity_number_along=contact.uphill
+        + turning_friction * contact.load
+        - direction * contact.drag,
         gravity_number_normal=contact.load,
         friction_static=(1 + contact.factor) * contact.static,
         friction_kinetic=(1 + contact.factor) * contact.kinetic,
@@ -109,23 +114,29 @@ def mean_acceleration(*, rolling_contact: RollingContact, gravity: Array) -> Arr
     """
     contact = rolling_contact
     rolling, slipping = contact.rolling_down, contact.slipping_down
-    down = np.where(contact.unbounded_slip, slipping, rolling)
-    either = ~contact.unbounded_slip & (slipping > (1 + ROUNDING) * rolling) & ~contact.surely_rolls
-    if either.any():
-        wide = np.broadcast_arrays(*contact, either)
-        open_cells = RollingContact(*(field[either] for field in wide[:-1]))
-        down = np.broadcast_to(down, either.shape).copy()
-        down[either] = _down_by_slip(open_cells)
-    return gravity * np.asarray(0.0 - np.sign(contact.uphill) * down)  # no -0
+    downhill = np.where(contact.unbounded_slip, slipping, rolling)
+    is_undecided = (
+        ~contact.unbounded_slip & (slipping > (1 + ROUNDING) * rolling) & ~contact.surely_rolls
+    )
+    if is_undecided.any():
+        broadcast = np.broadcast_arrays(*contact, is_undecided)
+        open_cells = RollingContact(*(field[is_undecided] for field in broadcast[:-1]))
+        downhill = np.broadcast_to(downhill, is_undecided.shape).copy()
+        downhill[is_undecided] = _downhill_by_slip(open_cells)
+    return gravity * np.asarray(0.0 - np.sign(contact.uphill) * downhill)  # no -0
 
 
-def _down_by_slip(contact: RollingContact) -> Array:
+def _downhill_by_slip(contact: RollingContact) -> Array:
+    # By the motion of the slip's block: where its mean is known the slip stays bounded, where it
+    # runs away the part slides. NaN if neither is sure.
     slip = planar_motion(slip_groups(contact), **SETTINGS)
-    exact = (contact.resistance == 0) | (~contact.lifts & (contact.resistance <= contact.kinetic))
-    bounded = exact & np.isin(slip.status, [STATUS[name] for name in ANSWERED])
-    away = exact & (slip.status == STATUS["runaway"])
-    unbounded = np.where(away, contact.slipping_down, np.nan)
-    return np.where(bounded, contact.rolling_down, unbounded)
+    is_exact = (contact.resistance == 0) | (
+        ~contact.lifts & (contact.resistance <= contact.kinetic)
+    )
+    is_bounded = is_exact & np.isin(slip.status, [STATUS[name] for name in ANSWERED])
+    runs_away = is_exact & (slip.status == STATUS["runaway"])
+    unbounded = np.where(runs_away, contact.slipping_down, np.nan)
+    return np.where(is_bounded, contact.rolling_down, unbounded)
 
 
 def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
@@ -138,22 +149,22 @@ def always_rolls(contact: RollingContact, watch: Watch | None) -> Mask:
     open_cells = ~(rolls | contact.surely_slips | contact.free | contact.runs_away)
     if not open_cells.any():
         return rolls
-    wide = np.broadcast_arrays(*contact, rolls, open_cells)
-    *fields, known, unknown = (np.ravel(single) for single in wide)
-    always: Mask = known.copy()
+    broadcast = np.broadcast_arrays(*contact, rolls, open_cells)
+    *fields, decided, open_values = (np.ravel(single) for single in broadcast)
+    always: Mask = decided.copy()
     watch = watch or Watch()
     with watch.flag() as stop:
-        for cell_number in np.flatnonzero(unknown):
+        for cell_number in np.flatnonzero(open_values):
             if watch.stopped():
                 break
             single = RollingContact(*(field[cell_number] for field in fields))
             (cell,), _ = cells_of(block_groups(single), **SETTINGS)
-            most = _most_traction(single, follow(cell, stop)[0])
-            always[cell_number] = most <= (1 + ROUNDING) * float(single.static)
-    return always.reshape(wide[0].shape)
+            needed = _largest_traction(single, follow(cell, stop)[0])
+            always[cell_number] = needed <= (1 + ROUNDING) * float(single.static)
+    return always.reshape(broadcast[0].shape)
 
 
-def _most_traction(contact: RollingContact, pieces: Array) -> float:
+def _largest_traction(contact: RollingContact, pieces: Array) -> float:
     # The largest ratio of friction to load that rolling needs over a cycle of the block's motion:
     # |D - w sgn(u) + kap c n sgn(u)|/((1 + kap) n) while it rolls, (|D| - w)/n at rest, with the
     # push D along less gravity, the wall's friction w, kap = m r^2/I, the rolling resistance c, the
@@ -162,9 +173,9 @@ def _most_traction(contact: RollingContact, pieces: Array) -> float:
     normal = abs(float(contact.normal))
     along = float(contact.along) * (-1.0 if contact.normal < 0 else 1.0)
     uphill = float(contact.uphill) * (-1.0 if along < 0 else 1.0)
-    along, most = abs(along), 0.0
+    along, largest = abs(along), 0.0
     for piece in pieces:
-        start, way = piece[PIECE.phase], WAYS.get(int(piece[PIECE.mode]), 0.0)
+        start, direction = piece[PIECE.phase], WAYS.get(int(piece[PIECE.mode]), 0.0)
         end = start + piece[PIECE.span]
         peaks = np.pi / 2 + np.pi * np.arange(-2, 8)
         for phase in (start, end, *peaks[(peaks > start) & (peaks < end)]):
@@ -172,13 +183,13 @@ def _most_traction(contact: RollingContact, pieces: Array) -> float:
             push, load = along * sine - uphill, float(contact.load) - normal * sine
             if load <= 0.0:
                 return float("inf")
-            if way:
-                push += way * (contact.factor * contact.resistance * load - contact.drag)
+            if direction:
+                push += direction * (contact.factor * contact.resistance * load - contact.drag)
                 needed = abs(push) / (1 + contact.factor)
             else:
                 needed = max(0.0, abs(push) - contact.drag)
-            most = max(most, float(needed / load))
-    return most
+            largest = max(largest, float(needed / load))
+    return largest
 
 
 # --- equations
@@ -264,6 +275,8 @@ def _motion(
     method: Method, *, groups: Groups, rolling_contact: RollingContact, mean_acceleration: Array,
     watch: Watch | None = None, **settings: Any,
 ) -> Motion:  # fmt: skip
+    # The motion of the equivalent block, read as that of the part; no means where it runs away or
+    # does not always roll.
     contact = rolling_contact
     block: Motion = method.follow(groups=groups, contacts=BLOCK_ON_FLOOR, watch=watch, **settings)
     rolls = always_rolls(contact, watch) & ~np.isnan(mean_acceleration)
@@ -272,14 +285,14 @@ def _motion(
         np.where(contact.free, STATUS["neutral"],
                  np.where(rolls, block.status, STATUS["rolls_and_slips"])),
     ).astype(np.int8)  # fmt: skip
-    none = np.isin(status, [STATUS["runaway"], STATUS["rolls_and_slips"]])
+    has_no_mean = np.isin(status, [STATUS["runaway"], STATUS["rolls_and_slips"]])
     means = {}
     for name, values in block._asdict().items():
         # A rolling part has the share kap/(1 + kap) of its block's velocity, kap = m r^2/I.
         scale = contact.share if name in ("velocity", "spread", "error") else 1.0
-        own = np.where(status == STATUS["neutral"], 0.0, scale * values)
-        means[name] = np.broadcast_to(np.where(none, np.nan, own), status.shape)
-    means["across"] = np.broadcast_to(np.where(none, np.nan, 0.0), status.shape)
+        scaled = np.where(status == STATUS["neutral"], 0.0, scale * values)
+        means[name] = np.broadcast_to(np.where(has_no_mean, np.nan, scaled), status.shape)
+    means["across"] = np.broadcast_to(np.where(has_no_mean, np.nan, 0.0), status.shape)
     return Motion(**{**means, "status": status})
 
 
@@ -291,6 +304,7 @@ METHODS = {
 
 
 def _equations_of_method(block: Method, *, slips: bool) -> tuple[Equation, ...]:
+    # The motion by a method and its results; with `slips` also the slip of the contact.
     def slip_motion(*, slip_groups: Groups, watch: Watch | None = None, **settings: Any) -> Motion:
         """Return the slip of a round part's contact, computed as the motion of a block."""
         return block.follow(groups=slip_groups, contacts=BLOCK_ON_FLOOR, watch=watch, **settings)
@@ -331,19 +345,19 @@ _AT_WALL = (
 )
 
 
-def _scene(name: str, title: str, kap: float, more: str = "") -> Scene:
+def _scene(name: str, title: str, kap: float, more_validity: str = "") -> Scene:
     # `kap` is m r^2/I of the full body.
     disc = name == DISC
     shape = round_parts.ball_factor if name == BALL else round_parts.tube_factor
-    numbers = _AT_WALL if disc else _ON_FLOOR
-    own = (*numbers, Equation("rolling_factor", shape, "theory 18.1"))
+    contact_equations = _AT_WALL if disc else _ON_FLOOR
+    equations = (*contact_equations, Equation("rolling_factor", shape, "theory 18.1"))
     return Scene(
         name=name,
         title=title,
         source=SOURCE,
-        validity=VALIDITY + more,
+        validity=VALIDITY + more_validity,
         variants={
-            block.name: (*own, *_equations_of_method(block, slips=not disc))
+            block.name: (*equations, *_equations_of_method(block, slips=not disc))
             for block in (EVENTS, REFERENCE)
         },
         default_variant="events",
@@ -358,7 +372,7 @@ def _scene(name: str, title: str, kap: float, more: str = "") -> Scene:
             *(each for method in METHODS.values() for each in method.refuses),
         ),
         choice="method",
-        variant_defaults={m.name: m.defaults for m in METHODS.values()},
+        variant_defaults={method.name: method.defaults for method in METHODS.values()},
     )  # fmt: skip
 
 

@@ -64,16 +64,16 @@ def tips(*, row: RowParts, friction_static: Array, height: Array, length: Array)
     largest static friction of all parts counts: of each its own in `row`, where that is NaN
     `friction_static`. `height` and `length` are those of a part along the track [m].
     """
-    most = np.zeros(())
-    for n, own in enumerate(row.friction):
-        mu = np.where(np.isnan(own), friction_static, own)
+    largest = np.zeros(())
+    for n, own_friction in enumerate(row.friction):
+        friction = np.where(np.isnan(own_friction), friction_static, own_friction)
         if row.shift:
-            mu = np.maximum(0.0, mu + row.shift[n])
-        most = np.maximum(most, np.where(n < row.number, mu, 0.0))
-    return most * height > length
+            friction = np.maximum(0.0, friction + row.shift[n])
+        largest = np.maximum(largest, np.where(n < row.number, friction, 0.0))
+    return largest * height > length
 
 
-def _has(motion: RowMotion, *names: str) -> Mask:
+def _has_status(motion: RowMotion, *names: str) -> Mask:
     return np.isin(motion.status, [STATUS[name] for name in names])
 
 
@@ -115,7 +115,9 @@ class NumberedParts:
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of the quantities that the parts are made from, as an equation takes them."""
-        numbered = [f"{stem}_{n}" for stem, which in self.numbers.items() for n in which]
+        numbered = [
+            f"{stem}_{n}" for stem, part_numbers in self.numbers.items() for n in part_numbers
+        ]
         common = ["mass"] if self.numbers["part_mass"] and not self.gives_all("part_mass") else []
         counted = ["parts"] if self.counted or not self.count else []
         drawn = ["friction_spread", "friction_seed"] if self.drawn else []
@@ -126,28 +128,33 @@ class NumberedParts:
         """True if every part has its own number, such as a `part_mass`."""
         return not self.counted and 0 < len(self.numbers[stem]) == self.count
 
-    def row(self, **given: Any) -> RowParts:
+    def row(self, **quantities: Any) -> RowParts:
         """Return the parts of the row, from the quantities of `inputs` by name.
 
         A fractional number of parts is rounded up.
         """
-        count = np.ceil(np.asarray(given.get("parts", float(self.count)), dtype=float))
-        most = max(self.count, int(count.max()))
-        places = range(1, most + 1)
-        scale = given["length_scale"]
-        common = given.get("mass", np.ones(()))
+        count = np.ceil(np.asarray(quantities.get("parts", float(self.count)), dtype=float))
+        most_parts = max(self.count, int(count.max()))
+        places = range(1, most_parts + 1)
+        scale = quantities["length_scale"]
+        common = quantities.get("mass", np.ones(()))
         parts = RowParts(
             number=np.maximum(count, self.count),
-            friction=tuple(given.get(f"part_friction_{n}", np.full((), np.nan)) for n in places),
-            mass=tuple(given.get(f"part_mass_{n}", common) for n in places),
-            gap=tuple(given.get(f"part_gap_{n}", np.zeros(())) / scale for n in places),
-            restitution=given["part_restitution"],
+            friction=tuple(
+                quantities.get(f"part_friction_{n}", np.full((), np.nan)) for n in places
+            ),
+            mass=tuple(quantities.get(f"part_mass_{n}", common) for n in places),
+            gap=tuple(quantities.get(f"part_gap_{n}", np.zeros(())) / scale for n in places),
+            restitution=quantities["part_restitution"],
         )
         if self.drawn:
-            shift = drawn_deviations(given["friction_seed"], most) * given["friction_spread"]
+            shift = (
+                drawn_deviations(quantities["friction_seed"], most_parts)
+                * quantities["friction_spread"]
+            )
             parts = parts._replace(shift=tuple(shift))
         if self.stop_gap:
-            gap = given[self.stop_gap] / scale
+            gap = quantities[self.stop_gap] / scale
             parts = parts._replace(stop=STOP_GAPS[self.stop_gap], stop_gap=gap)
         return parts
 
@@ -158,24 +165,27 @@ def drawn_deviations(seed: Array, parts: int) -> Array:
     Shape (parts, ...), with the shape of `seed` behind. Those of a longer row begin with those of a
     shorter one, so that rows can be compared.
     """
-    seeds, where = np.unique(np.asarray(seed), return_inverse=True)
-    rows = [np.random.default_rng(int(one)).standard_normal(DRAWN) for one in seeds]
-    drawn: Array = np.array([row[np.abs(row) <= MAX_DEVIATIONS][:parts] for row in rows]).T
-    return drawn[:, where.reshape(np.shape(seed))]
+    seeds, seed_index = np.unique(np.asarray(seed), return_inverse=True)
+    samples = [np.random.default_rng(int(number)).standard_normal(DRAWN) for number in seeds]
+    deviations: Array = np.array(
+        [sample[np.abs(sample) <= MAX_DEVIATIONS][:parts] for sample in samples]
+    ).T
+    return deviations[:, seed_index.reshape(np.shape(seed))]
 
 
 def numbered(names: tuple[str, ...]) -> NumberedParts:
     """Return the numbers of their own that a study's parameter names give to parts of a row."""
-    found = [match for match in map(_NUMBERED.fullmatch, names) if match]
+    matches = [match for match in map(_NUMBERED.fullmatch, names) if match]
     numbers = {
-        stem: tuple(sorted(int(match[2]) for match in found if match[1] == stem))
+        stem: tuple(sorted(int(match[2]) for match in matches if match[1] == stem))
         for stem in NUMBERS
     }
-    behind = max(
-        (n + (stem == "part_gap") for stem, which in numbers.items() for n in which), default=0
+    last_numbered = max(
+        (n + (stem == "part_gap") for stem, part_numbers in numbers.items() for n in part_numbers),
+        default=0,
     )
     stop = next((name for name in STOP_GAPS if name in names), "")
-    return NumberedParts(numbers, behind, "parts" in names, stop, "friction_spread" in names)
+    return NumberedParts(numbers, last_numbered, "parts" in names, stop, "friction_spread" in names)
 
 
 def problems_of_row(names: tuple[str, ...]) -> Iterator[Problem]:
@@ -211,9 +221,9 @@ def _platoon_size(number: int, *, motion: RowMotion) -> Array:
 
 
 def _platoon_velocity(number: int, *, motion: RowMotion, velocity_scale: Array) -> Array:
-    inside = motion.part_platoon == number
-    total = np.where(inside, motion.part_velocity, 0.0).sum(axis=0)
-    return ratio(total, inside.sum(axis=0), np.nan) * velocity_scale
+    in_platoon = motion.part_platoon == number
+    total = np.where(in_platoon, motion.part_velocity, 0.0).sum(axis=0)
+    return ratio(total, in_platoon.sum(axis=0), np.nan) * velocity_scale
 
 
 RESULTS = (
@@ -288,12 +298,12 @@ CONDITIONS = (
     ),
     where(
         "unresolved", "no motion was found",
-        lambda *, motion: _has(motion, "not_computed", "limit_reached", "no_drive"), ANY_RESULT,
-        otherwise="slip",
+        lambda *, motion: _has_status(motion, "not_computed", "limit_reached", "no_drive"),
+        ANY_RESULT, otherwise="slip",
     ),
     where(
         "runaway", "the parts gain speed for ever",
-        lambda *, motion: _has(motion, "runaway"), ANY_RESULT,
+        lambda *, motion: _has_status(motion, "runaway"), ANY_RESULT,
     ),
     where(
         "out_of_phase_possible", "hops take two periods, so that parts may hop in turn",
@@ -305,7 +315,7 @@ CONDITIONS = (
     ),
     where(
         "aperiodic", "the motion of the row does not repeat",
-        lambda *, motion: _has(motion, "aperiodic", "sensitive"), ANY_RESULT,
+        lambda *, motion: _has_status(motion, "aperiodic", "sensitive"), ANY_RESULT,
     ),
     where(
         "period_doubled", "the motion of the row repeats after two periods of the drive or more",
@@ -317,7 +327,7 @@ CONDITIONS = (
     ),
     where(
         "stick", "friction holds all parts all the time",
-        lambda *, motion: _has(motion, "at_rest"), ANY_RESULT,
+        lambda *, motion: _has_status(motion, "at_rest"), ANY_RESULT,
     ),
 )  # fmt: skip
 
@@ -341,10 +351,12 @@ TIPPING = Condition("tipping", tips, ANY_RESULT)
 
 
 def _equations_of_parts(parts: NumberedParts) -> tuple[Equation, ...]:
+    # The equations that make the record `row` from the numbers that the study names, and the scale
+    # of its masses.
     says = "the {} friction of the rearmost part, where each part has its own [1]"
     own = (
-        scales.product(f"friction_{one}", "part_friction_1", source=SOURCE, says=says.format(one))
-        for one in ("static", "kinetic")
+        scales.product(f"friction_{kind}", "part_friction_1", source=SOURCE, says=says.format(kind))
+        for kind in ("static", "kinetic")
     )
     says = "Return the parts of the row, from the rear on."
     return (
@@ -384,7 +396,7 @@ def row_of(names: tuple[str, ...]) -> Scene:
     tip.
     """
     parts = numbered(names)
-    more = (
+    extra_conditions = (
         *((TIPPING,) if "height" in names else ()),
         *((HELD[parts.stop_gap],) if parts.stop_gap else ()),
     )
@@ -408,7 +420,9 @@ def row_of(names: tuple[str, ...]) -> Scene:
             )
         },
         default_variant="events",
-        conditions={"events": (*CONDITIONS[:BEFORE_MOTION], *more, *CONDITIONS[BEFORE_MOTION:])},
+        conditions={
+            "events": (*CONDITIONS[:BEFORE_MOTION], *extra_conditions, *CONDITIONS[BEFORE_MOTION:])
+        },
         defaults={
             "gamma": 0.0,
             "gravity": STANDARD_GRAVITY,

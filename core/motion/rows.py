@@ -145,44 +145,54 @@ def row_motion(
     """
     periods = np.where(np.equal(groups.restitution, 0.0), max_periods, 0.0)
     rows, shape = _cells(groups, row, periods)
-    room, columns = len(row.friction), RowMotion._fields.index("part_velocity")
-    inside, own = _inside(rows), kernel_calls.rows.OWN
-    frictions = [_own(rows, number) for number in (own.static, own.kinetic)]
-    alike = np.logical_and.reduce([
-        ((part == part[:, :1]) | ~inside).all(axis=1) for part in frictions
+    capacity, columns = len(row.friction), RowMotion._fields.index("part_velocity")
+    exists, own_columns = _part_exists(rows), kernel_calls.rows.OWN
+    frictions = [_own_numbers(rows, number) for number in (own_columns.static, own_columns.kinetic)]
+    has_one_friction = np.logical_and.reduce([
+        ((values == values[:, :1]) | ~exists).all(axis=1) for values in frictions
     ])  # fmt: skip
     supported = rows[:, kernel_calls.rows.AT.max_periods] > 0.0
-    as_one = alike & supported & (row.stop == "none")
-    table_ = np.full((len(rows), columns + 2 * room), np.nan)
+    moves_as_one = has_one_friction & supported & (row.stop == "none")
+    table_ = np.full((len(rows), columns + 2 * capacity), np.nan)
     status = np.full(len(rows), STATUS["not_computed"], dtype=np.int8)
-    rest = ~as_one & supported
-    if rest.any():
-        away = rest & _runs_away(rows)
-        status[away] = STATUS["runaway"]
-        rest &= ~away
-    if rest.any():
-        held = _merge_equal_parts(rows[rest], alike[rest])
-        table_[rest], status[rest] = run_cells(
-            _by_events, held, columns=table_.shape[1], piece=16, watch=watch
+    remaining = ~moves_as_one & supported
+    if remaining.any():
+        runs_away = remaining & _runs_away(rows)
+        status[runs_away] = STATUS["runaway"]
+        remaining &= ~runs_away
+    if remaining.any():
+        merged_rows = _merge_equal_parts(rows[remaining], has_one_friction[remaining])
+        table_[remaining], status[remaining] = run_cells(
+            _by_events, merged_rows, columns=table_.shape[1], piece=16, watch=watch
         )
         table_[status == STATUS["limit_reached"]] = np.nan
         # Rows that were followed as a single part: all have its velocity, and touch all the time.
-        whole = alike & rest & np.isnan(table_[:, columns + 1]) & ~np.isnan(table_[:, columns])
-        for start, value in ((columns, table_[whole, columns, np.newaxis]), (columns + room, 1.0)):
-            table_[whole, start : start + room] = np.where(inside[whole], value, np.nan)
-        table_[whole, RowMotion._fields.index("contact")] = 1.0
-        table_[whole, RowMotion._fields.index("gap")] = 0.0
-    if as_one.any():
-        table_[as_one], status[as_one] = _as_one(groups, rows, shape, as_one, watch)
+        is_merged = (
+            has_one_friction
+            & remaining
+            & np.isnan(table_[:, columns + 1])
+            & ~np.isnan(table_[:, columns])
+        )
+        for start, value in (
+            (columns, table_[is_merged, columns, np.newaxis]),
+            (columns + capacity, 1.0),
+        ):
+            table_[is_merged, start : start + capacity] = np.where(exists[is_merged], value, np.nan)
+        table_[is_merged, RowMotion._fields.index("contact")] = 1.0
+        table_[is_merged, RowMotion._fields.index("gap")] = 0.0
+    if moves_as_one.any():
+        table_[moves_as_one], status[moves_as_one] = _followed_as_one(
+            groups, rows, shape, moves_as_one, watch
+        )
     means = [np.ascontiguousarray(column).reshape(shape) for column in table_.T[:columns]]
     by_part = [
-        np.ascontiguousarray(table_[:, start : start + room].T).reshape(room, *shape)
-        for start in (columns, columns + room)
+        np.ascontiguousarray(table_[:, start : start + capacity].T).reshape(capacity, *shape)
+        for start in (columns, columns + capacity)
     ]
     return RowMotion._make([*means, *by_part, status.reshape(shape)])
 
 
-def _waved(rows: Array) -> NDArray[np.bool_]:
+def _needs_wave_kernel(rows: Array) -> NDArray[np.bool_]:
     # A drive that the kernel for sines and steps along the track cannot follow.
     tables = kernel_calls.rows
     columns = rows[:, tables.HEAD + len(tables.OWN) * int(rows[0, tables.AT.room]) :]
@@ -192,94 +202,111 @@ def _waved(rows: Array) -> NDArray[np.bool_]:
     return wave.steps[NORMAL].any(axis=0) | (wave.harmonics.shape[2] > 0)
 
 
-def _own(rows: Array, number: int) -> Array:
+def _own_numbers(rows: Array, number: int) -> Array:
     # A number of `Own` of each part, a view of shape (rows, room).
-    room = int(rows[0, kernel_calls.rows.AT.room])
-    start = kernel_calls.rows.HEAD + number * room
-    return rows[:, start : start + room]
+    capacity = int(rows[0, kernel_calls.rows.AT.room])
+    start = kernel_calls.rows.HEAD + number * capacity
+    return rows[:, start : start + capacity]
 
 
 def _by_events(
     cells: Array, table_: Array, status: NDArray[np.int8], stop: NDArray[np.int8]
 ) -> None:
-    waved = _waved(cells)
-    for some, kernel in ((~waved, "row_cells"), (waved, "waved_row_cells")):
-        if some.any():
-            means, found = table_[some], status[some]
-            getattr(kernel_calls.rows, kernel)(cells[some], means, found, stop)
-            table_[some], status[some] = means, found
+    # Rows under a wave that only its own kernel can follow go to that, all others to the faster
+    # one.
+    needs_wave = _needs_wave_kernel(cells)
+    for mask, kernel in ((~needs_wave, "row_cells"), (needs_wave, "wave_row_cells")):
+        if mask.any():
+            means, mask_status = table_[mask], status[mask]
+            getattr(kernel_calls.rows, kernel)(cells[mask], means, mask_status, stop)
+            table_[mask], status[mask] = means, mask_status
 
 
-def _inside(rows: Array) -> NDArray[np.bool_]:
-    at = kernel_calls.rows.AT
-    return np.arange(int(rows[0, at.room])) < rows[:, at.parts, np.newaxis].astype(int)
+def _part_exists(rows: Array) -> NDArray[np.bool_]:
+    head = kernel_calls.rows.AT
+    return np.arange(int(rows[0, head.room])) < rows[:, head.parts, np.newaxis].astype(int)
 
 
 def _runs_away(rows: Array) -> NDArray[np.bool_]:
     # Parts at the lower end leave the others for ever where friction cannot hold them together:
     # sum m_i (|sin(gamma)| - mu_s,i n) > 0 over some from there on, n the mean load. A stop in
     # front holds those in front.
-    at, own = kernel_calls.rows.AT, kernel_calls.rows.OWN
-    along, load = rows[:, at.gravity_number_along], rows[:, at.gravity_number_normal]
-    pull = np.abs(along)[:, np.newaxis] - _own(rows, own.static) * load[:, np.newaxis]
-    pull = np.where(_inside(rows), _own(rows, own.mass) * pull, 0.0)
-    behind = (along > 0) & (np.cumsum(pull, axis=1) > 0).any(axis=1)
-    in_front = (along < 0) & (np.cumsum(pull[:, ::-1], axis=1) > 0).any(axis=1)
-    return np.asarray(behind | (in_front & (rows[:, at.stop] == STOPS.index("none"))))
+    head, own_columns = kernel_calls.rows.AT, kernel_calls.rows.OWN
+    along, load = rows[:, head.gravity_number_along], rows[:, head.gravity_number_normal]
+    pull = (
+        np.abs(along)[:, np.newaxis] - _own_numbers(rows, own_columns.static) * load[:, np.newaxis]
+    )
+    pull = np.where(_part_exists(rows), _own_numbers(rows, own_columns.mass) * pull, 0.0)
+    rear_leaves = (along > 0) & (np.cumsum(pull, axis=1) > 0).any(axis=1)
+    front_leaves = (along < 0) & (np.cumsum(pull[:, ::-1], axis=1) > 0).any(axis=1)
+    return np.asarray(rear_leaves | (front_leaves & (rows[:, head.stop] == STOPS.index("none"))))
 
 
-def _merge_equal_parts(rows: Array, alike: NDArray[np.bool_]) -> Array:
+def _merge_equal_parts(rows: Array, has_one_friction: NDArray[np.bool_]) -> Array:
     # Touching parts of one friction move as one, of their total mass.
-    own, inside = kernel_calls.rows.OWN, _inside(rows)
-    closed = (_own(rows, own.gap)[:, :-1] == 0.0) | ~inside[:, 1:]
-    whole, merged = alike & closed.all(axis=1), rows.copy()
-    masses = np.where(inside, _own(rows, own.mass), 0.0).sum(axis=1)
-    _own(merged, own.mass)[whole, 0] = masses[whole]
-    merged[whole, kernel_calls.rows.AT.parts] = 1.0
+    own_columns, exists = kernel_calls.rows.OWN, _part_exists(rows)
+    all_touch = (_own_numbers(rows, own_columns.gap)[:, :-1] == 0.0) | ~exists[:, 1:]
+    is_merged, merged = has_one_friction & all_touch.all(axis=1), rows.copy()
+    masses = np.where(exists, _own_numbers(rows, own_columns.mass), 0.0).sum(axis=1)
+    _own_numbers(merged, own_columns.mass)[is_merged, 0] = masses[is_merged]
+    merged[is_merged, kernel_calls.rows.AT.parts] = 1.0
     return merged
 
 
-def _as_one(
-    groups: Groups, rows: Array, shape: tuple[int, ...], alike: NDArray[np.bool_],
+def _followed_as_one(
+    groups: Groups, rows: Array, shape: tuple[int, ...], mask: NDArray[np.bool_],
     watch: Watch | None,
 ) -> tuple[Array, NDArray[np.int8]]:  # fmt: skip
     # Parts of one friction without a stop: a single part is followed, and spread over them.
-    own = kernel_calls.rows.OWN
-    static, kinetic = (_own(rows, n)[:, 0].reshape(shape) for n in (own.static, own.kinetic))
-    one = groups._replace(friction_static=static, friction_kinetic=kinetic, restitution=0.0)
+    own_columns = kernel_calls.rows.OWN
+    static, kinetic = (
+        _own_numbers(rows, number)[:, 0].reshape(shape)
+        for number in (own_columns.static, own_columns.kinetic)
+    )
+    single_part = groups._replace(friction_static=static, friction_kinetic=kinetic, restitution=0.0)
     settings: dict[str, Any] = dict(events.EVENTS.defaults)
-    motion = events.motion_by_events(one, BLOCK_ON_FLOOR, watch=watch, **settings)
+    motion = events.motion_by_events(single_part, BLOCK_ON_FLOOR, watch=watch, **settings)
     names = ("velocity", "spread", "error", "flight", "multiple", "status")
     velocity, spread, error, flight, multiple, status = (
-        np.broadcast_to(getattr(motion, name), shape).ravel()[alike] for name in names
+        np.broadcast_to(getattr(motion, name), shape).ravel()[mask] for name in names
     )
     answered = np.isin(status, [STATUS[name] for name in ANSWERED])
-    nothing = np.where(answered, 0.0, np.nan)
-    inside = _inside(rows[alike])
-    contacts = inside[:, 1:].sum(axis=1)
-    apart = np.where(inside[:, 1:], _own(rows[alike], own.gap)[:, :-1], 0.0)
-    touching = 1.0 - (apart > 0.0).sum(axis=1) / contacts
+    zero_or_nan = np.where(answered, 0.0, np.nan)
+    exists = _part_exists(rows[mask])
+    contacts = exists[:, 1:].sum(axis=1)
+    gaps = np.where(exists[:, 1:], _own_numbers(rows[mask], own_columns.gap)[:, :-1], 0.0)
+    touching_share = 1.0 - (gaps > 0.0).sum(axis=1) / contacts
+    # The columns of `RowMotion`: one platoon, no collisions, no stop.
     columns = [
-        velocity, spread, error, nothing + 1.0, velocity, velocity, nothing + touching, nothing,
-        nothing, flight, multiple, nothing + apart.sum(axis=1) / contacts, *[nothing] * 4,
+        velocity, spread, error, zero_or_nan + 1.0, velocity, velocity,
+        zero_or_nan + touching_share, zero_or_nan, zero_or_nan, flight, multiple,
+        zero_or_nan + gaps.sum(axis=1) / contacts, *[zero_or_nan] * 4,
     ]  # fmt: skip
     by_part = (
-        np.where(inside, value[:, np.newaxis], np.nan) for value in (velocity, nothing + 1.0)
+        np.where(exists, value[:, np.newaxis], np.nan) for value in (velocity, zero_or_nan + 1.0)
     )
     return np.concatenate([np.stack(columns, axis=1), *by_part], axis=1), status
 
 
 def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, tuple[int, ...]]:
-    room = len(parts.friction)
-    own = [np.isnan(one) for one in parts.friction]
+    # A kernel's row for each row of parts: the columns `Head`, then `Own` of every part, then the
+    # wave.
+    capacity = len(parts.friction)
+    uses_common = [np.isnan(friction) for friction in parts.friction]
     static, kinetic = (
-        [np.where(none, common, one) for none, one in zip(own, parts.friction, strict=True)]
+        [
+            np.where(is_common, common, friction)
+            for is_common, friction in zip(uses_common, parts.friction, strict=True)
+        ]
         for common in (groups.friction_static, groups.friction_kinetic)
     )
     if parts.shift:
         static, kinetic = (
-            [np.maximum(0.0, one + more) for one, more in zip(some, parts.shift, strict=True)]
-            for some in (static, kinetic)
+            [
+                np.maximum(0.0, friction + shift)
+                for friction, shift in zip(frictions, parts.shift, strict=True)
+            ]
+            for frictions in (static, kinetic)
         )
     wave = groups.wave
     drive = (groups.drive_number_along, groups.drive_number_normal)
@@ -287,7 +314,7 @@ def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, 
         drive = (np.zeros(wave.cells), np.zeros(wave.cells))
     head = kernel_calls.rows.Head(
         *drive, groups.gravity_number_along, groups.gravity_number_normal, parts.restitution,
-        max_periods, float(STOPS.index(parts.stop)), parts.stop_gap, float(room), parts.number,
+        max_periods, float(STOPS.index(parts.stop)), parts.stop_gap, float(capacity), parts.number,
     )  # fmt: skip
     rows, shape = table((*head, *static, *kinetic, *parts.mass, *parts.gap))
     if wave is not None:
@@ -295,27 +322,28 @@ def _cells(groups: Groups, parts: RowParts, max_periods: Array) -> tuple[Array, 
     return rows, shape
 
 
-def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+def _trajectory(request: TrajectoryRequest, contacts: Contacts) -> Trajectory:
     # Positions count from the place in which the rear part starts, with the lengths of parts
     # between them if the study gives these.
     del contacts
-    row, scale = asked.arguments["row"], asked.scale("length_scale")
-    pace = asked.scale("velocity_scale") / scale
-    times = np.array(asked.samples)
-    if isinstance(asked.samples, int):
-        times = np.linspace(0.0, SHOWN * (2 * np.pi), asked.samples + 1) / pace
-    rows, _ = _cells(asked.arguments["groups"], row, np.asarray(PERIODS))
+    row, scale = request.arguments["row"], request.scale("length_scale")
+    phase_rate = request.scale("velocity_scale") / scale
+    times = np.array(request.samples)
+    if isinstance(request.samples, int):
+        times = np.linspace(0.0, SHOWN * (2 * np.pi), request.samples + 1) / phase_rate
+    rows, _ = _cells(request.arguments["groups"], row, np.asarray(PERIODS))
     parts = int(rows[0, kernel_calls.rows.AT.parts])
-    places = np.empty((times.size, parts))
+    positions_of_parts = np.empty((times.size, parts))
     gaps = np.empty((times.size, parts - (row.stop == "none")))
-    waved = bool(_waved(rows)[0])
-    path = kernel_calls.rows.path_of_waved_row if waved else kernel_calls.rows.path_of_row
-    path(rows[0], times * pace, places, gaps)
-    pitch = np.asarray(asked.known["length"]).item() if "length" in asked.known else 0.0
-    starts = np.r_[0.0, np.cumsum(_own(rows, kernel_calls.rows.OWN.gap)[0, : parts - 1])]
+    needs_wave = bool(_needs_wave_kernel(rows)[0])
+    fill_path = kernel_calls.rows.path_of_wave_row if needs_wave else kernel_calls.rows.path_of_row
+    fill_path(rows[0], times * phase_rate, positions_of_parts, gaps)
+    pitch = np.asarray(request.known["length"]).item() if "length" in request.known else 0.0
+    starts = np.r_[0.0, np.cumsum(_own_numbers(rows, kernel_calls.rows.OWN.gap)[0, : parts - 1])]
     positions = {
-        f"part_position_{n + 1}": (places[:, n] + starts[n]) * scale + n * pitch
-        for n in range(min(parts, MAX_NUMBERED))
+        f"part_position_{part + 1}": (positions_of_parts[:, part] + starts[part]) * scale
+        + part * pitch
+        for part in range(min(parts, MAX_NUMBERED))
     }
     return {TIME: times, **positions}
 

@@ -27,8 +27,8 @@ def product(gives: str, *factors: str, says: str, source: str) -> Equation:
     return Equation(gives, partial(_product, paths), source, needs=needs, says=f"Return {says}.")
 
 
-def _product(paths: list[list[str]], **known: Any) -> Array:
-    return reduce(mul, (reduce(getattr, path, known[name]) for name, *path in paths))
+def _product(paths: list[list[str]], **quantities: Any) -> Array:
+    return reduce(mul, (reduce(getattr, path, quantities[name]) for name, *path in paths))
 
 
 def drive_number(*, vibration_acceleration: Array, gravity: Array) -> Array:
@@ -212,9 +212,9 @@ def _work(kind: str, *, energy: Energy, motion: Motion, gravity: Array) -> Array
 
 
 def _a_metre(energy: Array, motion: Motion) -> Array:
-    beyond = np.where(energy > 0, np.inf, np.nan)
+    without_travel = np.where(energy > 0, np.inf, np.nan)
     with np.errstate(over="ignore"):
-        return ratio(energy, np.abs(motion.velocity), beyond)
+        return ratio(energy, np.abs(motion.velocity), without_travel)
 
 
 def effective_mass_ratio(*, energy: Energy, drive_number: Array) -> Array:

@@ -70,11 +70,11 @@ def accuracy(plan: Plan) -> str:
     """
     text = methods_of(plan.scene.name)[plan.variant].accuracy
     gives = plan.scene.outputs(plan.variant)
-    error = next((one for one in VELOCITIES.values() if one in gives), None)
+    error = next((name for name in VELOCITIES.values() if name in gives), None)
     if error is None:
         return text
-    told = error if error in plan.outputs else f"the output {error}, if asked for,"
-    return f"{text}; {told} states it for each cell"
+    statement = error if error in plan.outputs else f"the output {error}, if asked for,"
+    return f"{text}; {statement} states it for each cell"
 
 
 NOT_JUDGED = "verified_not_judged"
@@ -161,80 +161,91 @@ class Comparison:
 def compare(
     plan: Plan,
     cells: Mapping[str, Array],
-    got: Mapping[str, Array],
+    computed: Mapping[str, Array],
     method: str,
     watch: Watch | None = None,
 ) -> Comparison:
     """Return the comparison of computed outputs of some cells with those of another method.
 
-    `cells` are parameters in SI units, shape (n,), as all; `got` are outputs, in the units of
+    `cells` are parameters in SI units, shape (n,), as all; `computed` are outputs, in the units of
     studies, computed by `plan`. Status, velocity and error are computed again if they are missing.
     `watch` may stop the other method; cells that were not reached are not `evaluated`.
     """
     scene = plan.scene
-    has = scene.outputs(method)
-    outputs = [name for name in got if name in has and QUANTITIES[name].compared]
+    available = scene.outputs(method)
+    outputs = [name for name in computed if name in available and QUANTITIES[name].compared]
     names = dict.fromkeys([*VELOCITIES, *VELOCITIES.values(), "motion_status"])
-    judging = [name for name in names if name in has]
-    count = next(iter(got.values())).size
+    judging = [name for name in names if name in available]
+    count = next(iter(computed.values())).size
     theirs = _follow_cells(scene, method, (*outputs, *judging, *SPEED), cells, count, watch)
-    ours = got
-    if not set(judging) <= set(got):  # what was not asked for is computed again
-        silent = None if watch is None else replace(watch, progress=None)
-        ours = {**_follow_cells(scene, plan.variant, tuple(judging), cells, count, silent), **got}
-    both = ours["motion_status"], theirs["motion_status"]
-    evaluated = both[1] != STATUS["not_computed"]
-    exact = np.isin(both[0], EXACT_MEANS) & np.isin(both[1], EXACT_MEANS)
-    apart, stated = _velocity_difference(ours, theirs)
-    means = np.isin(both[0], MEANS) & np.isin(both[1], MEANS) & ~exact & np.isfinite(stated)
-    nothing = np.zeros(both[1].shape)
-    periods = [one.get("period_multiple", nothing) for one in (got, theirs)]
-    other = exact & (np.minimum(*periods) > 0) & (periods[0] != periods[1])
+    ours = computed
+    if not set(judging) <= set(computed):  # what was not asked for is computed again
+        quiet_watch = None if watch is None else replace(watch, progress=None)
+        ours = {
+            **_follow_cells(scene, plan.variant, tuple(judging), cells, count, quiet_watch),
+            **computed,
+        }
+    statuses = ours["motion_status"], theirs["motion_status"]
+    evaluated = statuses[1] != STATUS["not_computed"]
+    is_exact = np.isin(statuses[0], EXACT_MEANS) & np.isin(statuses[1], EXACT_MEANS)
+    difference, stated = _velocity_difference(ours, theirs)
+    has_means = (
+        np.isin(statuses[0], MEANS) & np.isin(statuses[1], MEANS) & ~is_exact & np.isfinite(stated)
+    )
+    no_periods = np.zeros(statuses[1].shape)
+    periods = [
+        outputs_of_method.get("period_multiple", no_periods)
+        for outputs_of_method in (computed, theirs)
+    ]
+    differs_in_periods = is_exact & (np.minimum(*periods) > 0) & (periods[0] != periods[1])
     return Comparison(
         method,
         evaluated,
-        exact | means,
-        means=int(means.sum()),
-        strain=float(np.max((apart / stated)[means], initial=0.0)),
-        failed=int(((exact | means) & ~(apart <= stated) | other).sum()),
-        silent=_reasons(method, *(status[evaluated & ~exact & ~means] for status in both)),
-        **(_worst(outputs, got, theirs, exact) if exact.any() else {}),
+        is_exact | has_means,
+        means=int(has_means.sum()),
+        strain=float(np.max((difference / stated)[has_means], initial=0.0)),
+        failed=int(((is_exact | has_means) & ~(difference <= stated) | differs_in_periods).sum()),
+        silent=_reasons(
+            method, *(status[evaluated & ~is_exact & ~has_means] for status in statuses)
+        ),
+        **(_worst(outputs, computed, theirs, is_exact) if is_exact.any() else {}),
     )
 
 
 def _worst(
     outputs: Sequence[str],
-    got: Mapping[str, Array],
+    computed: Mapping[str, Array],
     theirs: Mapping[str, Array],
-    exact: NDArray[np.bool_],
+    is_exact: NDArray[np.bool_],
 ) -> dict[str, Any]:
     # The output that differs most in the cells that count, over its largest size.
     worst: dict[str, Any] = {}
     for name in outputs:
-        right = np.where(exact, theirs[name], 0.0)
-        size = float(np.abs(right).max()) or 1.0
-        error = np.where(exact, np.abs(got[name] - right), 0.0)
+        reference = np.where(is_exact, theirs[name], 0.0)
+        size = float(np.abs(reference).max()) or 1.0
+        error = np.where(is_exact, np.abs(computed[name] - reference), 0.0)
         error = np.where(np.isnan(error), np.inf, error)  # a value that only one method has
         cell = int(np.argmax(error))
-        share = float(error[cell]) / size
-        if not worst or share > worst["share"]:
+        relative = float(error[cell]) / size
+        if not worst or relative > worst["share"]:
             states = VELOCITIES.get(name, "") in theirs
             stated = float(theirs[VELOCITIES[name]][cell]) if states else np.nan
             worst = {
-                "output": name, "cell": cell, "error": float(error[cell]), "share": share,
+                "output": name, "cell": cell, "error": float(error[cell]), "share": relative,
                 "stated": stated,
             }  # fmt: skip
     return worst
 
 
 def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
+    # Why cells were not judged, and how many for each reason, most frequent first.
     names = {value: name for name, value in STATUS.items()}
     reasons = Counter[str]()
-    for mine, other in zip(ours.tolist(), theirs.tolist(), strict=True):
-        if mine not in EXACT_MEANS and mine not in MEANS:
-            reasons[names[mine]] += 1
-        elif other not in EXACT_MEANS and other not in MEANS:
-            reasons[f"{names[other]} by {method}"] += 1
+    for our_status, their_status in zip(ours.tolist(), theirs.tolist(), strict=True):
+        if our_status not in EXACT_MEANS and our_status not in MEANS:
+            reasons[names[our_status]] += 1
+        elif their_status not in EXACT_MEANS and their_status not in MEANS:
+            reasons[f"{names[their_status]} by {method}"] += 1
         else:
             reasons["without a stated error"] += 1
     return dict(reasons.most_common())
@@ -248,27 +259,31 @@ def _follow_cells(
     count: int,
     watch: Watch | None,
 ) -> dict[str, Array]:
-    asked = tuple(name for name in outputs if name in scene.outputs(method))
+    # Outputs of given cells by a method, in the units of studies; those that the scene has not are
+    # left out, and parameters that only such outputs use are allowed.
+    requested = tuple(name for name in outputs if name in scene.outputs(method))
     parameters = [name for name in cells if name in scene_parameters(scene, method)]
-    plan = plan_scene(scene, method, asked, parameters, parameters)  # some may be of other outputs
-    known = run_equations(plan, {name: cells[name] for name in plan.parameters}, watch)
+    plan = plan_scene(scene, method, requested, parameters, parameters)
+    results = run_equations(plan, {name: cells[name] for name in plan.parameters}, watch)
     return {
-        name: np.broadcast_to(from_si(name, np.asarray(known[name], dtype=np.float64)), count)
-        for name in asked
+        name: np.broadcast_to(from_si(name, np.asarray(results[name], dtype=np.float64)), count)
+        for name in requested
     }
 
 
 def _velocity_difference(
     ours: Mapping[str, Array], theirs: Mapping[str, Array]
 ) -> tuple[Array, Array]:
+    # The largest difference of the mean velocities, and what both methods state of their errors; 0
+    # and infinity where one of both has no velocity.
     both = [name for name, error in VELOCITIES.items() if {name, error} <= {*ours} & {*theirs}]
     if not both:
-        nothing = np.zeros_like(theirs["motion_status"])
-        return nothing, nothing + np.inf
+        zero = np.zeros_like(theirs["motion_status"])
+        return zero, zero + np.inf
     error = VELOCITIES[both[0]]
     drive = theirs["drive_number"] * theirs["velocity_scale"]
-    apart = np.maximum.reduce([np.abs(ours[name] - theirs[name]) for name in both])
-    return apart, ours[error] + theirs[error] + RESOLVED * drive
+    difference = np.maximum.reduce([np.abs(ours[name] - theirs[name]) for name in both])
+    return difference, ours[error] + theirs[error] + RESOLVED * drive
 
 
 def verified(
@@ -310,17 +325,21 @@ def verified_at(
         return sample.verification_attributes(against)
     cells = prepared.grid.at(sample.positions, sample.count, plan.parameters)
     if arrays is None:
-        known = run_equations(plan, cells, replace(watch, progress=None))
-        at = {name: np.broadcast_to(known[name], sample.count) for name in plan.outputs}
+        quantities = run_equations(plan, cells, replace(watch, progress=None))
+        values_at_cells = {
+            name: np.broadcast_to(quantities[name], sample.count) for name in plan.outputs
+        }
     else:
-        at = {name: sample.at(arrays[name], prepared.dims[name]) for name in plan.outputs}
-    got = {name: np.asarray(from_si(name, values)) for name, values in at.items()}
-    comparison = compare(plan, cells, got, other.name, watch)
-    left = sum(comparison.silent.values())
-    more: dict[str, str | int] = {NOT_JUDGED: left} if left else {}
+        values_at_cells = {
+            name: sample.at(arrays[name], prepared.dims[name]) for name in plan.outputs
+        }
+    computed = {name: np.asarray(from_si(name, values)) for name, values in values_at_cells.items()}
+    comparison = compare(plan, cells, computed, other.name, watch)
+    not_judged = sum(comparison.silent.values())
+    attributes: dict[str, str | int] = {NOT_JUDGED: not_judged} if not_judged else {}
     evaluated, compared = int(comparison.evaluated.sum()), int(comparison.compared.sum())
     worst = comparison.in_words(sample.where(comparison.cell)) if evaluated else ""
-    return more | sample.verification_attributes(
+    return attributes | sample.verification_attributes(
         against, worst, evaluated=evaluated, compared=compared, failed=comparison.failed
     )
 
@@ -334,26 +353,28 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
         return prepared.compute(watch)
     plan, grid = prepared.plan, prepared.grid
     # No blocks: the scales have few axes, and the motion itself is shared out by cells.
-    given = grid.si()
-    known = run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
-    asked = {name: known[name] for name in plan.outputs} | regimes(plan, known)
-    arrays = {name: _over_own_axes(prepared, name, values) for name, values in asked.items()}
+    parameters = grid.si()
+    quantities = run_equations(plan, {name: parameters[name] for name in plan.parameters}, watch)
+    results = {name: quantities[name] for name in plan.outputs} | regimes(plan, quantities)
+    arrays = {name: _over_own_axes(prepared, name, values) for name, values in results.items()}
     if prepared.derived is not None:
         derived, part = prepared.derived, plan.part(prepared.derived.outputs)
-        found = derivatives(part, cells_of(part, grid), derived.parameters, watch)
-        arrays |= derived.arrays(plan, grid, prepared.dims, found)
+        derived_values = derivatives(part, cells_of(part, grid), derived.parameters, watch)
+        arrays |= derived.arrays(plan, grid, prepared.dims, derived_values)
     if prepared.bands is not None:
         arrays |= prepared.bands.arrays(plan, grid, prepared.dims, watch)
     samples, follow = prepared.study.trajectory, prepared.method.course
     if samples is not None:
         assert follow is not None  # the study would have been refused
-        long = {e.gives: e for e in plan.equations if e.takes_long}
-        followed = long.get("burst") or next(iter(long.values()))
-        arguments = {name: known[name] for name in followed.inputs}
+        long_equations = {
+            equation.gives: equation for equation in plan.equations if equation.takes_long
+        }
+        followed = long_equations.get("burst") or next(iter(long_equations.values()))
+        arguments = {name: quantities[name] for name in followed.inputs}
         contacts = CONTACTS.get(plan.scene.name, Contacts())
-        if "burst" in long:
+        if "burst" in long_equations:
             follow = partial(burst_trajectory, record=record_of(prepared.study))
-        arrays |= follow(TrajectoryRequest(samples, arguments, known, watch), contacts)
+        arrays |= follow(TrajectoryRequest(samples, arguments, quantities, watch), contacts)
     return Computed(arrays)
 
 
@@ -413,8 +434,8 @@ class ReducedSimulation(Reduced, Simulation):
 
     def attributes(self) -> dict[str, str]:
         """Return the attributes of the result, known before computing."""
-        told = global_attributes(self, f"motion in time, method {self.plan.variant}")
-        return {**told, "accuracy": accuracy(self.plan)}
+        known = global_attributes(self, f"motion in time, method {self.plan.variant}")
+        return {**known, "accuracy": accuracy(self.plan)}
 
     def verified(self, watch: Watch) -> dict[str, str | int]:
         """Return the verification of random cells as attributes; they are followed anew."""
@@ -465,13 +486,17 @@ def _motion(scene: str, parameters: Mapping[str, Any], **more: Any) -> dict[str,
 
 def _all(scene: str, **parameters: Any) -> list[dict[str, Any]]:
     # Together they run, and so compile, all kernels of a scene's motion, for sines and waves.
-    asked: list[dict[str, Any]] = [
+    requests: list[dict[str, Any]] = [
         {"outputs": ["conveying_velocity"]},
         {"outputs": ["conveying_velocity", "friction_power"]},
         {"trajectory": 10},
     ]
     drives = (_SINE, _WAVE)
-    return [_motion(scene, {**parameters, **drive}, **more) for drive in drives for more in asked]
+    return [
+        _motion(scene, {**parameters, **drive}, **request)
+        for drive in drives
+        for request in requests
+    ]
 
 
 KIND: Final = Kind(

@@ -219,10 +219,12 @@ def _conveying(
     *,
     in_space: tuple[Equation, ...],
     defaults: Mapping[str, float] = MappingProxyType({}),
-    more: str = "",
+    more_validity: str = "",
 ) -> Scene:
+    # A scene of one part that is conveyed, with a variant for each method that can follow its
+    # contacts; `in_space` are the equations up to its groups.
     contacts = CONTACTS[name]
-    methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
+    methods = [item for item in METHODS["conveying"].values() if item.follows(contacts)]
 
     def equation(gives: str, function: Callable[..., Any], source: str) -> Equation:
         says = inspect.getdoc(function) or ""
@@ -239,21 +241,21 @@ def _conveying(
         return (*in_space, *conveying, *scales.BURST_RESULTS)
 
     def conditions(method: Method) -> tuple[Condition, ...]:
-        more = [LEAVES_THE_WALL] if contacts.wall else []
+        track_conditions = [LEAVES_THE_WALL] if contacts.wall else []
         if method.energy is not None:
-            more.append(scales.WORK_UNBOUNDED)
+            track_conditions.append(scales.WORK_UNBOUNDED)
         # They give way to what has no answer, as that of the efficiency does.
-        place = [one.regime for one in CONDITIONS].index("unbounded")
-        kept = (*CONDITIONS[:place], *more, *CONDITIONS[place:])
+        index = [item.regime for item in CONDITIONS].index("unbounded")
+        ordered = (*CONDITIONS[:index], *track_conditions, *CONDITIONS[index:])
         if not contacts.rolling:
-            return kept
-        return tuple(replace(one, outputs=one.outputs - {ACROSS.gives}) for one in kept)
+            return ordered
+        return tuple(replace(item, outputs=item.outputs - {ACROSS.gives}) for item in ordered)
 
     return Scene(
         name=name,
         title=title,
         source="theory 13",
-        validity=VALIDITY + more,
+        validity=VALIDITY + more_validity,
         variants={method.name: equations(method) for method in methods},
         default_variant="events",
         conditions={method.name: conditions(method) for method in methods},
@@ -280,16 +282,18 @@ _POWERS = tuple(e for e in scales.ENERGY_RESULTS if e.gives.endswith("_power"))
 
 
 def _on_plate() -> Scene:
-    results = (*plate.RESULTS, *(one for one in RESULTS if one.gives in _OF_PLATE))
-    given = frozenset(one.gives for one in (*results, *_POWERS)) | {"regime"}
+    # The scene of a part on a plate: as conveying, without outputs that take one direction of
+    # travel.
+    results = (*plate.RESULTS, *(item for item in RESULTS if item.gives in _OF_PLATE))
+    any_result = frozenset(item.gives for item in (*results, *_POWERS)) | {"regime"}
     conditions = tuple(
-        replace(one, outputs=given) for one in CONDITIONS if one.regime != "unbounded"
+        replace(item, outputs=any_result) for item in CONDITIONS if item.regime != "unbounded"
     )
 
     def equations(method: Method) -> tuple[Equation, ...]:
         functions = {"motion": method.follow} | ({"energy": method.energy} if method.energy else {})
         return (
-            *(one for one in LEANING_SCALES if one.gives != "fastest_velocity"),
+            *(item for item in LEANING_SCALES if item.gives != "fastest_velocity"),
             replace(GROUPS_ON_FLOOR, needs=_ON_PLATE),
             *(
                 Equation(gives, partial(function, contacts=CONTACTS[plate.PLATE]), method.source,
@@ -330,7 +334,7 @@ def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scen
     """
     law = Equation("impact_damping", impact_damping, "theory 18.3")
 
-    def changed(equation: Equation) -> Equation:
+    def with_law(equation: Equation) -> Equation:
         if equation.gives != "groups":
             return equation
         needs, says = ("impact_damping", "velocity_scale", *equation.inputs), equation.summary
@@ -353,8 +357,10 @@ def with_falling_restitution(system: Scene, parameters: Collection[str]) -> Scen
     ]
     return replace(
         system,
-        variants={name: (law, *map(changed, known)) for name, known in system.variants.items()},
-        defaults={n: value for n, value in system.defaults.items() if n != "restitution"},
+        variants={
+            name: (law, *map(with_law, equations)) for name, equations in system.variants.items()
+        },
+        defaults={name: value for name, value in system.defaults.items() if name != "restitution"},
         constraints=(*system.constraints, *refusals),
     )
 
@@ -391,9 +397,9 @@ SYSTEMS: dict[str, Scene] = {
         "Motion in time of a rectangular part on the track, with floor and wall",
         in_space=ON_TRACK,
         defaults={"delta": 0.0, "curvature_number": 0.0},
-        more=" By default the wall has the kinetic friction and the restitution of the floor; its "
-        "static friction equals its kinetic friction. The track is straight unless the study gives "
-        "its radius.",
+        more_validity=" By default the wall has the kinetic friction and the restitution of the "
+        "floor; its static friction equals its kinetic friction. The track is straight unless the "
+        "study gives its radius.",
     ),
     plate.PLATE: _on_plate(),
     **tumbling_scene.SCENES,
@@ -410,5 +416,5 @@ def methods_of(scene: str) -> Mapping[str, Method]:
     """
     if scene == plate.PLATE:
         return METHODS["plate"]
-    of = "row" if scene == row_scene.ROW else "conveying" if scene in CONTACTS else "tumbling"
-    return METHODS["rolling" if scene in rolling_scene.SCENES else of]
+    kind = "row" if scene == row_scene.ROW else "conveying" if scene in CONTACTS else "tumbling"
+    return METHODS["rolling" if scene in rolling_scene.SCENES else kind]

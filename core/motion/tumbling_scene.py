@@ -68,7 +68,7 @@ def rectangle(*, length: Array, height: Array) -> Body:
         isolated.half_diagonal(height=b, length=h),
         isolated.rectangle_inertia_ratio(),
         isolated.corner_angle(height=b, length=h),
-        np.ones(()),
+        turning=np.ones(()),
     )
 
 
@@ -84,7 +84,7 @@ def cylinder(*, length: Array, diameter: Array) -> Body:
         isolated.half_diagonal(height=d, length=h),
         isolated.cylinder_inertia_ratio(corner_direction=direction),
         isolated.corner_angle(height=d, length=h),
-        np.ones(()),
+        turning=np.ones(()),
     )
 
 
@@ -228,10 +228,10 @@ def tumbling_motion(throw: Throw, *, watch: Watch | None = None) -> Tumble:
     columns = len(Tumble._fields) - 1
     table = np.full((len(cells), columns), np.nan)
     status = np.full(len(cells), STATUS["limit_reached"], dtype=np.int8)
-    known = _can_be_followed(cells)
+    followable = _can_be_followed(cells)
     kernel = kernel_calls.tumbling.tumble_events
-    table[known], status[known] = run_cells(
-        kernel, cells[known], piece=16, columns=columns, watch=watch
+    table[followable], status[followable] = run_cells(
+        kernel, cells[followable], piece=16, columns=columns, watch=watch
     )
     return Tumble._make([*(column.reshape(shape) for column in table.T), status.reshape(shape)])
 
@@ -260,6 +260,7 @@ def tumbling_path(throw: Throw, *, times: ArrayLike, watch: Watch | None = None)
 
 
 def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    # The rows of the kernel, its columns `Cell`, from a `Throw` whose values are checked.
     for name in ("duration", "gravity"):
         if not np.all(np.asarray(getattr(throw, name)) > 0):
             raise ValueError(f"{name} has to be positive")
@@ -272,9 +273,11 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     }
     circular_frequency = 2 * np.pi * values["frequency"]
     acceleration = values["amplitude"] * circular_frequency**2
-    step = STEP_IN_FALLS * np.sqrt(part.half_diagonal / values["gravity"])
+    step_of_fall = STEP_IN_FALLS * np.sqrt(part.half_diagonal / values["gravity"])
     with np.errstate(divide="ignore"):
-        turn = 2 * np.pi / STEPS_A_PERIOD / np.where(acceleration > 0, circular_frequency, 0.0)
+        step_of_drive = (
+            2 * np.pi / STEPS_A_PERIOD / np.where(acceleration > 0, circular_frequency, 0.0)
+        )
     inputs: dict[str, Any] = {
         **values,
         **part._asdict(),
@@ -284,37 +287,40 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
         "drive_normal": acceleration * sine(values["beta"]),
         "circular_frequency": circular_frequency,
         "start_phase": 0.0,
-        "time_step": np.minimum(step, turn),
+        "time_step": np.minimum(step_of_fall, step_of_drive),
     }
     names = kernel_calls.tumbling.Cell._fields
     rows, shape = table(inputs[name] for name in names)
-    named = dict(zip(names, rows.T, strict=True))
-    if not all(np.isfinite(named[name]).all() for name in (*values, "turning") if name in named):
+    columns = dict(zip(names, rows.T, strict=True))
+    if not all(
+        np.isfinite(columns[name]).all() for name in (*values, "turning") if name in columns
+    ):
         raise ValueError("every argument has to be a finite number")
     for name in ("gap_normal", "friction_kinetic", "restitution"):
-        if not np.all(named[name] >= 0):
+        if not np.all(columns[name] >= 0):
             raise ValueError(f"{name} may not be negative")
-    if not np.all(named["friction_static"] >= named["friction_kinetic"]):
+    if not np.all(columns["friction_static"] >= columns["friction_kinetic"]):
         raise ValueError("the argument friction_static has to be at least friction_kinetic")
-    if not np.all(named["restitution"] <= 1):
+    if not np.all(columns["restitution"] <= 1):
         raise ValueError("the argument restitution has to be at most 1")
     return rows, shape
 
 
 def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
     # Not where a computed number overflowed, or size, gravity onto the plane or time step is 0.
-    named = dict(zip(kernel_calls.tumbling.Cell._fields, rows.T, strict=True))
-    above = [named[name] > 0 for name in ("half_diagonal", "pull_normal", "time_step")]
-    return np.logical_and.reduce([np.isfinite(rows).all(axis=1), *above])
+    columns = dict(zip(kernel_calls.tumbling.Cell._fields, rows.T, strict=True))
+    positive = [columns[name] > 0 for name in ("half_diagonal", "pull_normal", "time_step")]
+    return np.logical_and.reduce([np.isfinite(rows).all(axis=1), *positive])
 
 
-def _trajectory(asked: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+def _trajectory(request: TrajectoryRequest, contacts: Contacts) -> Trajectory:
+    # At equal times over the duration, or at those of the request.
     del contacts
-    throw: Throw = asked.arguments["throw"]
-    times = np.array(asked.samples)
-    if isinstance(asked.samples, int):
-        times = np.linspace(0.0, np.asarray(throw.duration).item(), asked.samples + 1)
-    path = tumbling_path(throw, times=times, watch=asked.watch)
+    throw: Throw = request.arguments["throw"]
+    times = np.array(request.samples)
+    if isinstance(request.samples, int):
+        times = np.linspace(0.0, np.asarray(throw.duration).item(), request.samples + 1)
+    path = tumbling_path(throw, times=times, watch=request.watch)
     return {
         TIME: times,
         "path_along": path.along,

@@ -24,11 +24,11 @@ def turned(groups: Groups) -> tuple[Groups, Array]:
     """
     pairs = [*_pushes(groups)]
     squares = sum((x - y) * (x + y) for x, y in pairs)
-    line = 0.5 * np.arctan2(2.0 * sum(x * y for x, y in pairs), squares)
+    line_angle = 0.5 * np.arctan2(2.0 * sum(x * y for x, y in pairs), squares)
     size = np.sqrt(sum(x * x + y * y for x, y in pairs))
-    off = [turn(x, y, line)[1] for x, y in pairs]
-    is_line = np.logical_and.reduce([np.abs(one) <= ON_A_LINE * size for one in off])
-    angle = np.where(is_line, line, np.arctan2(pairs[0][1], pairs[0][0]))
+    offsets = [turn(x, y, line_angle)[1] for x, y in pairs]
+    is_line = np.logical_and.reduce([np.abs(offset) <= ON_A_LINE * size for offset in offsets])
+    angle = np.where(is_line, line_angle, np.arctan2(pairs[0][1], pairs[0][0]))
     return _in_axes(groups, angle, is_line), angle
 
 
@@ -50,6 +50,7 @@ def turn(x: Any, y: Any, angle: Array) -> tuple[Array, Array]:
 
 
 def _in_axes(groups: Groups, angle: Array, is_line: Mask) -> Groups:
+    # The groups with slope and drive turned by `angle`; on a line nothing is left across.
     slope, _ = turn(groups.gravity_number_along, groups.gravity_number_across, angle)
     part = groups._replace(gravity_number_along=slope, gravity_number_across=0.0)
     if groups.wave is None:
@@ -57,9 +58,11 @@ def _in_axes(groups: Groups, angle: Array, is_line: Mask) -> Groups:
         across = np.where(is_line, 0.0, across)
     else:
         fields = []
-        for field, own in zip(groups.wave, (3, 2), strict=True):
-            missing = (1,) * (angle.ndim + own - field.ndim)
-            x, y, *others = field.reshape(*field.shape[:own], *missing, *field.shape[own:])
+        for field, own_axes in zip(groups.wave, (3, 2), strict=True):
+            missing = (1,) * (angle.ndim + own_axes - field.ndim)
+            x, y, *others = field.reshape(
+                *field.shape[:own_axes], *missing, *field.shape[own_axes:]
+            )
             x, y = turn(x, y, angle)
             fields.append(np.stack(np.broadcast_arrays(x, np.where(is_line, 0.0, y), *others)))
         wave = Wave(*fields)

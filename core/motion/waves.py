@@ -56,8 +56,8 @@ class Wave(NamedTuple):
         counts = np.empty((2, *shape))
         counts[0], counts[1] = self.harmonics.shape[2], self.steps.shape[1]
         parts = [counts]
-        for part, own in zip(self, (3, 2), strict=True):
-            axes, cells = part.shape[:own], part.shape[own:]
+        for part, own_axes in zip(self, (3, 2), strict=True):
+            axes, cells = part.shape[:own_axes], part.shape[own_axes:]
             aligned = part.reshape(*axes, *(1,) * (len(shape) - len(cells)), *cells)
             parts.append(np.broadcast_to(aligned, (*axes, *shape)))
         return np.concatenate([part.reshape(-1, np.prod(shape, dtype=int)) for part in parts]).T
@@ -82,80 +82,85 @@ def of_columns(rows: NDArray[np.float64]) -> Wave:
 def push(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     """Return the push at a phase along an axis, in g."""
     tau = np.asarray(phase, dtype=float)
-    total = _harmonic(wave, axis, tau, 0)
+    total = _harmonic_integral(wave, axis, tau, 0)
     return total + _at_step(wave, wave.steps[axis], tau) if wave.steps.shape[1] else total
 
 
 def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     """Return the velocity of the track along an axis at a phase, in g/w, w = 2 pi f; no mean."""
-    return _moved(wave, axis, phase, 1)
+    return _track_integral(wave, axis, phase, 1)
 
 
 def position_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     """Return the displacement of the track along an axis at a phase, in g/w^2; no mean."""
-    return _moved(wave, axis, phase, 2)
+    return _track_integral(wave, axis, phase, 2)
 
 
 def velocity_at(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     """Return the velocity of the track along an axis at a phase, in g/w; no mean."""
-    return _moved(wave, axis, phase, 1)
+    return _track_integral(wave, axis, phase, 1)
 
 
-def _moved(wave: Wave, axis: int, phase: ArrayLike, integrals: int) -> Array:
+def _track_integral(wave: Wave, axis: int, phase: ArrayLike, integrals: int) -> Array:
     tau = np.asarray(phase, dtype=float)
-    total = -_harmonic(wave, axis, tau, integrals)
+    total = -_harmonic_integral(wave, axis, tau, integrals)
     if wave.steps.shape[1]:
-        total = total + _stepped(wave, axis, tau)[integrals - 1]
+        total = total + _step_motion(wave, axis, tau)[integrals - 1]
     return total
 
 
-def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
+def _harmonic_integral(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:
     # The sines of the push, integrated over the phase so often; -1 is the derivative.
     total = np.zeros(np.broadcast_shapes(tau.shape, wave.harmonics.shape[3:]))
     for k, (sine, cosine) in enumerate(zip(*wave.harmonics[axis], strict=True), start=1):
-        turned = k * tau - integrals * np.pi / 2
-        total += (sine * np.sin(turned) + cosine * np.cos(turned)) / k**integrals
+        angle = k * tau - integrals * np.pi / 2
+        total += (sine * np.sin(angle) + cosine * np.cos(angle)) / k**integrals
     return total
 
 
 def _at_step(wave: Wave, values: Array, tau: Array) -> Array:
     # Of values of all steps, shape (steps, ...), those in force at phases of any turn.
-    within = np.mod(tau, TURN)
+    phase = np.mod(tau, TURN)
     ends = wave.steps[ENDS]
-    shape = np.broadcast_shapes(within.shape, ends.shape[1:])
+    shape = np.broadcast_shapes(phase.shape, ends.shape[1:])
     step = np.zeros(shape, dtype=np.intp)
     for end in ends[:-1]:
-        step += within >= end
+        step += phase >= end
     missing = (1,) * (len(shape) - values.ndim + 1)
-    shown = values.reshape(len(values), *missing, *values.shape[1:])
-    shown = np.broadcast_to(shown, (len(values), *shape))
-    return np.take_along_axis(shown, step[np.newaxis], axis=0)[0]
+    spread_values = values.reshape(len(values), *missing, *values.shape[1:])
+    spread_values = np.broadcast_to(spread_values, (len(values), *shape))
+    return np.take_along_axis(spread_values, step[np.newaxis], axis=0)[0]
 
 
-def _stepped(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
+def _step_motion(wave: Wave, axis: int, tau: Array) -> tuple[Array, Array]:
     # Velocity and displacement by the steps, without mean.
     level, ends = wave.steps[axis], wave.steps[ENDS]
     starts = np.concatenate([np.zeros_like(ends[:1]), ends[:-1]])
-    last = ends - starts
+    duration = ends - starts
     speeds = step_speeds(wave, axis)
-    moved = np.cumsum(speeds * last - level * last**2 / 2, axis=0)
-    places = np.concatenate([np.zeros_like(moved[:1]), moved[:-1]])
-    mean = (places * last + speeds * last**2 / 2 - level * last**3 / 6).sum(axis=0) / TURN
-    start, here, velocity, at = (
-        _at_step(wave, one, tau) for one in (starts, level, speeds, places - mean)
+    displacements = np.cumsum(speeds * duration - level * duration**2 / 2, axis=0)
+    start_places = np.concatenate([np.zeros_like(displacements[:1]), displacements[:-1]])
+    mean = (start_places * duration + speeds * duration**2 / 2 - level * duration**3 / 6).sum(
+        axis=0
+    ) / TURN
+    step_start, level_now, velocity_now, place_now = (
+        _at_step(wave, values, tau) for values in (starts, level, speeds, start_places - mean)
     )
-    since = np.mod(tau, TURN) - start
-    return velocity - here * since, at + velocity * since - here * since**2 / 2
+    elapsed = np.mod(tau, TURN) - step_start
+    return (
+        velocity_now - level_now * elapsed,
+        place_now + velocity_now * elapsed - level_now * elapsed**2 / 2,
+    )
 
 
 def step_speeds(wave: Wave, axis: int) -> Array:
     """Return the velocity of the track at the start of each step, shape (steps, ...), in g/w."""
     level, ends = wave.steps[axis], wave.steps[ENDS]
-    last = np.diff(ends, axis=0, prepend=0.0)
-    after = -np.cumsum(level * last, axis=0)
-    before = np.concatenate([np.zeros_like(after[:1]), after[:-1]])
-    mean = (before * last - level * last**2 / 2).sum(axis=0) / TURN
-    return before - mean
+    duration = np.diff(ends, axis=0, prepend=0.0)
+    speed_after = -np.cumsum(level * duration, axis=0)
+    speed_before = np.concatenate([np.zeros_like(speed_after[:1]), speed_after[:-1]])
+    mean = (speed_before * duration - level * duration**2 / 2).sum(axis=0) / TURN
+    return speed_before - mean
 
 
 # --- how much
@@ -170,10 +175,10 @@ def largest_over_period(wave: Wave, axis: int, of: str) -> Array:
     looked at.
     """
     function, _ = COURSES[of]
-    best = np.full(wave.cells, -np.inf)
+    largest = np.full(wave.cells, -np.inf)
     for phase in _extremes(wave, axis, of):
-        best = np.fmax(best, function(wave, axis, phase))
-    return np.where(best > -np.inf, best, np.nan)
+        largest = np.fmax(largest, function(wave, axis, phase))
+    return np.where(largest > -np.inf, largest, np.nan)
 
 
 def stroke(wave: Wave, axis: int) -> Array:
@@ -198,25 +203,32 @@ COURSES: dict[str, tuple[Callable[[Wave, int, ArrayLike], Array], int]] = {
     "speed": (lambda *at: np.abs(speed(*at)), 1),
     "place": (position_at, 2),
     "place back": (lambda *at: -position_at(*at), 2),
-    "jerk size": (lambda wave, axis, at: np.abs(_harmonic(wave, axis, np.asarray(at), -1)), -1),
+    "jerk size": (
+        lambda wave, axis, at: np.abs(_harmonic_integral(wave, axis, np.asarray(at), -1)),
+        -1,
+    ),
 }
 """Quantities that have a largest value: a function of wave, axis and phase, and how often it
 integrates the push."""
 
 
 def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
+    # Phases at which the quantity may be largest: turns of the sines, ends of steps, and within a
+    # step the phase at which the track stands still.
     if wave.harmonics.shape[2]:
-        yield from _turns(wave, axis, COURSES[of][1])
+        yield from _turning_phases(wave, axis, COURSES[of][1])
     start = np.zeros(())
-    for number, end in enumerate(wave.steps[ENDS]):
+    for step, end in enumerate(wave.steps[ENDS]):
         yield start
         if of.startswith("place"):  # the track turns where its speed is 0
-            since = ratio(step_speeds(wave, axis)[number], wave.steps[axis][number], 0.0)
-            yield start + np.clip(since, 0.0, end - start)
+            elapsed = ratio(step_speeds(wave, axis)[step], wave.steps[axis][step], 0.0)
+            yield start + np.clip(elapsed, 0.0, end - start)
         start = end
 
 
-def _turns(wave: Wave, axis: int, integrals: int) -> Array:
+def _turning_phases(wave: Wave, axis: int, integrals: int) -> Array:
+    # Phases at which the derivative of the sines, integrated so often, is 0: twice the highest
+    # order of them a cell, of cells of equal order together.
     sines, cosines = wave.harmonics[axis]
     orders = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))
     shape = wave.cells
@@ -228,24 +240,26 @@ def _turns(wave: Wave, axis: int, integrals: int) -> Array:
     phases = np.zeros((len(slopes), 2 * len(sines)))
     for order in set(highest[highest > 0].tolist()):
         (cells,) = np.nonzero(highest == order)
-        for some in np.array_split(cells, len(cells) // AT_ONCE + 1):
-            phases[some, : 2 * order] = _angles(slopes[some, :order])
+        for chunk in np.array_split(cells, len(cells) // AT_ONCE + 1):
+            phases[chunk, : 2 * order] = _root_angles(slopes[chunk, :order])
     return phases.T.reshape(-1, *shape)
 
 
-def _angles(slopes: NDArray[np.complex128]) -> Array:
+def _root_angles(slopes: NDArray[np.complex128]) -> Array:
+    # Roots of sum of slopes_k exp(i k tau) + conjugate as a polynomial in exp(i tau), from its
+    # companion matrix; then two steps of Newton's method in tau.
     count, order = slopes.shape
-    rows = np.concatenate([slopes[:, ::-1], np.zeros((count, 1)), slopes.conj()], axis=1)
+    polynomials = np.concatenate([slopes[:, ::-1], np.zeros((count, 1)), slopes.conj()], axis=1)
     matrices = np.zeros((count, 2 * order, 2 * order), dtype=np.complex128)
     matrices[:, np.arange(1, 2 * order), np.arange(2 * order - 1)] = 1.0
-    matrices[:, 0] = -rows[:, 1:] / rows[:, :1]
-    at = np.angle(np.linalg.eigvals(matrices))
+    matrices[:, 0] = -polynomials[:, 1:] / polynomials[:, :1]
+    angles = np.angle(np.linalg.eigvals(matrices))
     k = np.arange(1, order + 1)
     for _ in range(2):
-        turning = slopes[:, np.newaxis] * np.exp(1j * k * at[..., np.newaxis])
-        value, slope = turning.real.sum(axis=-1), -(k * turning.imag).sum(axis=-1)
-        at = at - np.clip(ratio(value, slope, 0.0), -NEAR, NEAR)
-    return at
+        terms = slopes[:, np.newaxis] * np.exp(1j * k * angles[..., np.newaxis])
+        value, slope = terms.real.sum(axis=-1), -(k * terms.imag).sum(axis=-1)
+        angles = angles - np.clip(ratio(value, slope, 0.0), -NEAR, NEAR)
+    return angles
 
 
 def bound(wave: Wave, axis: int) -> Array:
@@ -265,8 +279,8 @@ def size(wave: Wave) -> Array:
         -1, *(1,) * (wave.harmonics.ndim - 3)
     )
     for axis in (ALONG, ACROSS, NORMAL):
-        most = (np.hypot(*wave.harmonics[axis]) / orders).sum(axis=0)
+        largest_speed = (np.hypot(*wave.harmonics[axis]) / orders).sum(axis=0)
         if wave.steps.shape[1]:
-            most = most + np.abs(step_speeds(wave, axis)).max(axis=0)
-        squares = squares + most**2
+            largest_speed = largest_speed + np.abs(step_speeds(wave, axis)).max(axis=0)
+        squares = squares + largest_speed**2
     return np.sqrt(squares)

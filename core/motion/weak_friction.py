@@ -56,13 +56,13 @@ def with_limits(motion: Motion, groups: Groups) -> Motion:
         limit = limit_of(part)
         if limit is None:
             continue
-        known = {
+        values = {
             "velocity": limit.along, "across": limit.across, "error": limit.error,
             "forward": limit.forward, "backward": 1.0 - limit.forward, "multiple": 1.0,
             "status": STATUS["weak_friction"],
         }  # fmt: skip
         for name, field in fields.items():
-            field[cell] = known.get(name, 0.0)
+            field[cell] = values.get(name, 0.0)
     return Motion(**{name: field.reshape(shape) for name, field in fields.items()})
 
 
@@ -73,73 +73,81 @@ def limit_of(part: Groups) -> Limit | None:
     """
     if not np.isfinite(sum(part.numbers)) or part.friction_kinetic <= 0.0:
         return None
-    cell, coarse = _Averaged.of(part, INTERVALS), _Averaged.of(part, INTERVALS // 2)
-    if cell.pull.min() <= 0.0:
+    fine, coarse = _AveragedFriction.of(part, INTERVALS), _AveragedFriction.of(part, INTERVALS // 2)
+    if fine.pull.min() <= 0.0:
         return None
     # Means have errors of the second order in the length of the intervals.
-    first, half = cell.balance(np.zeros(1)), coarse.balance(np.zeros(1))
-    refined = (first - half) / 3.0
-    velocity, before = np.zeros(2), np.zeros(2)
-    moved = np.zeros((2, cell.pull.size))
+    fine_velocity, coarse_velocity = fine.balance(np.zeros(1)), coarse.balance(np.zeros(1))
+    correction = (fine_velocity - coarse_velocity) / 3.0
+    velocity, previous = np.zeros(2), np.zeros(2)
+    velocity_change = np.zeros((2, fine.pull.size))
     for _ in range(ROUNDS):
-        before, velocity = velocity, cell.balance(moved)
-        force = cell.force(velocity, moved)
-        moved = waves.TURN * (np.cumsum(force, axis=1) - 0.5 * force)
-        moved -= (moved * cell.share).sum(axis=1, keepdims=True)
-    swing = float(np.hypot(*np.ptp(moved, axis=1)))
-    if not (swing <= WEAK * cell.size and np.isfinite(refined).all()):
+        previous, velocity = velocity, fine.balance(velocity_change)
+        force = fine.force(velocity, velocity_change)
+        velocity_change = waves.TURN * (np.cumsum(force, axis=1) - 0.5 * force)
+        velocity_change -= (velocity_change * fine.fraction).sum(axis=1, keepdims=True)
+    largest_change = float(np.hypot(*np.ptp(velocity_change, axis=1)))
+    if not (largest_change <= WEAK * fine.size and np.isfinite(correction).all()):
         return None
-    error = float(np.abs(velocity - before).max() + np.abs(refined).max()) + swing**2 / cell.size
-    relative = cell.track[0, 1:] - velocity[0] - moved[0]
-    along, across = map(float, velocity + refined)
-    return Limit(along, across, error, float(cell.share[relative < 0.0].sum()))
+    error = (
+        float(np.abs(velocity - previous).max() + np.abs(correction).max())
+        + largest_change**2 / fine.size
+    )
+    relative = fine.track[0, 1:] - velocity[0] - velocity_change[0]
+    along, across = map(float, velocity + correction)
+    return Limit(along, across, error, float(fine.fraction[relative < 0.0].sum()))
 
 
-class _Averaged(NamedTuple):
+class _AveragedFriction(NamedTuple):
     """Friction on one part over a period: `track` at the ends of intervals, `pull` mu n in each."""
 
     track: Array
-    share: Array
+    fraction: Array
     pull: Array
     slope: float
     size: float
 
     @classmethod
-    def of(cls, part: Groups, intervals: int) -> "_Averaged":
+    def of(cls, part: Groups, intervals: int) -> "_AveragedFriction":
+        # From the drive of a part, at the ends of equal intervals and at those of its steps.
         wave = part.wave
         if wave is None:
             harmonics = np.zeros((3, 2, 1))
             harmonics[:, 0, 0] = part.drive
             wave = waves.Wave(harmonics, np.zeros((4, 0)))
         ends = np.union1d(np.linspace(0.0, waves.TURN, intervals + 1), wave.steps[waves.ENDS])
-        share = np.diff(ends) / waves.TURN
+        fraction = np.diff(ends) / waves.TURN
         push = waves.push(wave, waves.NORMAL, 0.5 * (ends[1:] + ends[:-1]))
         return cls(
             np.stack([waves.speed(wave, axis, ends) for axis in (waves.ALONG, waves.ACROSS)]),
-            share,
-            share * part.friction_kinetic * (part.gravity_number_normal - push),
+            fraction,
+            fraction * part.friction_kinetic * (part.gravity_number_normal - push),
             float(part.gravity_number_along),
             float(waves.size(wave)),
         )
 
-    def force(self, velocity: Array, moved: Array) -> Array:
+    def force(self, velocity: Array, velocity_change: Array) -> Array:
         """Return friction less slope in each interval, at a velocity and what it moves by."""
-        slope = np.array([[self.slope], [0.0]]) * self.share
+        slope = np.array([[self.slope], [0.0]]) * self.fraction
         ends = self.track - velocity[:, np.newaxis]
-        return self.pull * _mean_direction(ends[:, :-1] - moved, ends[:, 1:] - moved) - slope
+        return (
+            self.pull
+            * _mean_direction(ends[:, :-1] - velocity_change, ends[:, 1:] - velocity_change)
+            - slope
+        )
 
-    def balance(self, moved: Array) -> Array:
+    def balance(self, velocity_change: Array) -> Array:
         """Return the velocity at which all forces of a period are in balance; NaN without any."""
 
         def total(velocity: Array) -> Array:
-            return np.asarray(self.force(velocity, moved).sum(axis=1))
+            return np.asarray(self.force(velocity, velocity_change).sum(axis=1))
 
         if self.track[1].any():
             middle = 0.5 * (self.track[:, 1:] + self.track[:, :-1])
             start = (middle * self.pull).sum(axis=1) / self.pull.sum() + OFFSET * self.size
-            found = scipy.optimize.root(total, start, tol=1e-13)
-            is_balanced = np.abs(found.fun).max() <= BALANCED * self.pull.sum()
-            return np.where(is_balanced, found.x, np.nan)
+            solution = scipy.optimize.root(total, start, tol=1e-13)
+            is_balanced = np.abs(solution.fun).max() <= BALANCED * self.pull.sum()
+            return np.where(is_balanced, solution.x, np.nan)
 
         def on_line(velocity: float) -> float:
             return float(total(np.array([velocity, 0.0]))[0])
@@ -153,20 +161,18 @@ class _Averaged(NamedTuple):
 
 
 def _mean_direction(start: Array, end: Array) -> Array:
-    """Return the mean of r/|r| over straight ways from `start` to `end`, shape (2, intervals).
-
-    With the unit vector d along a way, r = s d + h: the mean of s/|r| is (s1 + s0)/(|r1| + |r0|),
-    that of h/|r| is h (asinh(s1/h) - asinh(s0/h))/(s1 - s0).
-    """
-    way = end - start
-    length = _size(way)
-    d = way / length
+    # The mean of r/|r| over straight chords from `start` to `end`, shape (2, intervals). With the
+    # unit vector d along a chord, r = s d + h: the mean of s/|r| is (s1 + s0)/(|r1| + |r0|), that
+    # of h/|r| is h (asinh(s1/h) - asinh(s0/h))/(s1 - s0).
+    chord = end - start
+    length = _size(chord)
+    d = chord / length
     s0, s1 = (d * start).sum(axis=0), (d * end).sum(axis=0)
-    along = (s1 + s0) / (_size(start) + _size(end))
+    along_mean = (s1 + s0) / (_size(start) + _size(end))
     offset = start - s0 * d
     h = _size(offset)
-    off = (np.arcsinh(s1 / h) - np.arcsinh(s0 / h)) / length
-    return np.asarray(along * d + off * offset)
+    offset_mean = (np.arcsinh(s1 / h) - np.arcsinh(s0 / h)) / length
+    return np.asarray(along_mean * d + offset_mean * offset)
 
 
 def _size(vectors: Array) -> Array:

@@ -5,9 +5,9 @@ import numpy as np
 from vibrafeed.core.motion.kernels.rows import (
     ROW_COLUMNS,
     path_of_row,
-    path_of_waved_row,
+    path_of_wave_row,
     row_cells,
-    waved_row_cells,
+    wave_row_cells,
 )
 from vibrafeed.core.motion.kernels.rows.row_state import COLUMN, HEAD, NO_STOP
 from vibrafeed.core.motion.method import STATUS
@@ -59,7 +59,7 @@ def path(row, phases):
     parts = int(row[9])
     contacts = parts - (row[6] == NO_STOP)
     places, gaps = np.empty((len(phases), parts)), np.empty((len(phases), contacts))
-    kernel = path_of_waved_row if is_waved(row) else path_of_row
+    kernel = path_of_wave_row if is_waved(row) else path_of_row
     kernel(row, np.asarray(phases, dtype=float), places, gaps)
     return places, gaps
 
@@ -68,7 +68,7 @@ def followed(row):
     """Return the columns of the result of one row, and its status."""
     width = ROW_COLUMNS + 2 * int(row[8])
     table, status = np.full((1, width), np.nan), np.zeros(1, dtype=np.int8)
-    kernel = waved_row_cells if is_waved(row) else row_cells
+    kernel = wave_row_cells if is_waved(row) else row_cells
     kernel(row[np.newaxis], table, status, np.zeros(1, dtype=np.int8))
     (name,) = [name for name, value in STATUS.items() if value == status[0]]
     return dict(zip(COLUMN._fields, table[0], strict=False)), name

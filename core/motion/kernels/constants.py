@@ -34,10 +34,10 @@ The shares of the four modes stand in the order of the modes' own numbers.
 RESULTS = len(Columns._fields)
 COLUMN = Columns(*range(RESULTS))
 
-Spending = namedtuple("Spending", "friction impact drive swing")
+Powers = namedtuple("Powers", "friction impact drive swing")
 """One column a field of `Energy`, in its order."""
 
-SPENT = Spending(*range(len(Spending._fields)))
+POWER = Powers(*range(len(Powers._fields)))
 
 Tally = namedtuple(
     "Tally",

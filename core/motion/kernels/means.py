@@ -52,24 +52,24 @@ def successive_means(values: Floats) -> Floats:
 @compiled
 def scatter(means: Floats) -> float:
     """Return the standard deviation of n mean values m, s = sqrt(sum (m - mean)^2/(n - 1))."""
-    centre, square = np.mean(means), 0.0
+    mean_of_means, sum_of_squares = np.mean(means), 0.0
     for mean in means:
-        square += (mean - centre) ** 2
-    return math.sqrt(square / (means.size - 1))
+        sum_of_squares += (mean - mean_of_means) ** 2
+    return math.sqrt(sum_of_squares / (means.size - 1))
 
 
 @compiled
-def succession(means: Floats) -> float:
+def neumann_ratio(means: Floats) -> float:
     """Return von Neumann's ratio of successive differences of batch means m, which shows a drift.
 
     r = sum (m[k + 1] - m[k])^2/sum (m[k] - mean)^2 is 2 on the mean for independent numbers, and r
     = 2 (1 - q) with the correlation q of neighbours (von Neumann, Annals of Mathematical Statistics
     12, 1941, 367-395). 2 if all means are equal.
     """
-    square, steps = scatter(means) ** 2 * (means.size - 1), 0.0
+    sum_of_squares, sum_of_steps = scatter(means) ** 2 * (means.size - 1), 0.0
     for k in range(means.size - 1):
-        steps += (means[k + 1] - means[k]) ** 2
-    return 2.0 if square <= 0.0 else steps / square
+        sum_of_steps += (means[k + 1] - means[k]) ** 2
+    return 2.0 if sum_of_squares <= 0.0 else sum_of_steps / sum_of_squares
 
 
 @compiled
@@ -79,7 +79,7 @@ def is_steady(means: Floats, resolved: float) -> bool:
     They scatter by no more than `resolved`, or von Neumann's ratio is at least 0.684. False if one
     is NaN (theory 13.13).
     """
-    return scatter(means) <= resolved or succession(means) >= LEAST_RATIO
+    return scatter(means) <= resolved or neumann_ratio(means) >= LEAST_RATIO
 
 
 @compiled
@@ -90,9 +90,9 @@ def mean_error(means: Floats) -> float:
     deviation s, and the correlation q = max(0, 1 - r/2) of neighbouring batches, from von Neumann's
     ratio r; batches k apart are taken to have the correlation q^k.
     """
-    likeness = max(0.0, 1.0 - 0.5 * max(LEAST_RATIO, succession(means)))
-    memory = math.sqrt((1.0 + likeness) / (1.0 - likeness))
-    return STUDENT * scatter(means) / math.sqrt(means.size) * memory
+    correlation = max(0.0, 1.0 - 0.5 * max(LEAST_RATIO, neumann_ratio(means)))
+    correlation_factor = math.sqrt((1.0 + correlation) / (1.0 - correlation))
+    return STUDENT * scatter(means) / math.sqrt(means.size) * correlation_factor
 
 
 @compiled
@@ -105,24 +105,28 @@ def mean_velocity(travel: Floats, first: int, last: int, period: float) -> float
 
 
 @compiled
-def gains(travel: Floats, done: int, period: float) -> tuple[float, float]:
+def velocity_gains(travel: Floats, periods: int, period: float) -> tuple[float, float]:
     """Return two growths of a mean velocity in g/w: last less third quarter, third less second."""
-    quarter = done // 4
-    first = mean_velocity(travel, quarter, 2 * quarter, period)
-    second = mean_velocity(travel, 2 * quarter, 3 * quarter, period)
-    third = mean_velocity(travel, 3 * quarter, 4 * quarter, period)
-    return third - second, second - first
+    quarter = periods // 4
+    second_quarter = mean_velocity(travel, quarter, 2 * quarter, period)
+    third_quarter = mean_velocity(travel, 2 * quarter, 3 * quarter, period)
+    last_quarter = mean_velocity(travel, 3 * quarter, 4 * quarter, period)
+    return last_quarter - third_quarter, third_quarter - second_quarter
 
 
 @compiled
-def runs_away(gain: float, before: float, pull: float, friction: float) -> bool:
+def runs_away(last_gain: float, earlier_gain: float, pull: float, friction: float) -> bool:
     """True if the mean velocity grows steadily because gravity exceeds friction.
 
-    Two successive growths d and d' (`gains`) have one sign, |d| > |d'|/2, and `pull`, gravity along
-    the track, is at least `friction`, mu_k times the mean load, both in g: at high speed friction
-    is kinetic.
+    Two successive growths d and d' (`velocity_gains`) have one sign, |d| > |d'|/2, and `pull`,
+    gravity along the track, is at least `friction`, mu_k times the mean load, both in g: at high
+    speed friction is kinetic.
     """
-    return gain * before > 0.0 and pull >= friction and abs(gain) > 0.5 * abs(before)
+    return (
+        last_gain * earlier_gain > 0.0
+        and pull >= friction
+        and abs(last_gain) > 0.5 * abs(earlier_gain)
+    )
 
 
 @compiled
@@ -150,7 +154,7 @@ def fill_means(tallies: Floats, first: int, last: int, period: float, result: Fl
 
 
 @compiled
-def ended(
+def status_without_cycle(
     cell: Cell, wall: bool, pull: float, travel: Floats, period: float, resolved: float
 ) -> tuple[int, Floats]:
     """Return the status of a motion that did not repeat, and the batch means of its velocity.
@@ -159,12 +163,12 @@ def ended(
     loads n, n_y on floor and wall; else `aperiodic`, or `limit_reached` if the batches drift by
     more than `resolved` (theory 13.8).
     """
-    gain, before = gains(travel, travel.size, period)
+    last_gain, earlier_gain = velocity_gains(travel, travel.size, period)
     friction = cell.friction_kinetic * cell.gravity_number_normal
     if wall:
         friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
     batches = batch_means(travel) / period
-    if runs_away(gain, before, pull, friction):
+    if runs_away(last_gain, earlier_gain, pull, friction):
         return STATUS.runaway, batches
     return STATUS.aperiodic if is_steady(batches, resolved) else STATUS.limit_reached, batches
 

@@ -84,13 +84,13 @@ def bend_bound(wave: SineSum) -> float:
 
 
 @borrowing
-def at_point(wave: SineSum, point: int) -> tuple[float, float]:
+def value_at_sample(wave: SineSum, point: int) -> tuple[float, float]:
     """Return value and derivative of a sum of sines at one of 128 phases, 2 pi `point`/128."""
     table, sines, cosines = wave.table, wave.sines, wave.cosines
     value, slope = 0.0, 0.0
     for k in range(1, wave.orders + 1):
-        turned = (k * point) & (POINTS - 1)
-        sine, cosine = SINES[turned], SINES[turned + POINTS // 4]
+        index = (k * point) & (POINTS - 1)
+        sine, cosine = SINES[index], SINES[index + POINTS // 4]
         a, b = table[sines, k], table[cosines, k]
         value += a * sine + b * cosine
         slope += k * (a * cosine - b * sine)
@@ -113,22 +113,26 @@ def passages(wave: SineSum, level: float, row: int, capacity: int) -> int:
     stride = 4 if orders <= 2 else 2 if orders <= 5 else 1
     step = TURN * (2 * stride) / POINTS
     half, count = 0.5 * step, 0
-    first = at_point(wave, 0)[0] - level
+    value_at_low = value_at_sample(wave, 0)[0] - level
     for point in range(stride, POINTS, 2 * stride):
-        value, slope = at_point(wave, point)
+        value, slope = value_at_sample(wave, point)
         value -= level
         if abs(value) > (abs(slope) + 0.5 * bend * half) * half:
-            first = value
+            value_at_low = value
             continue
         low = TURN * (point - stride) / POINTS
         if abs(slope) > bend * half:
-            last = at_point(wave, point + stride)[0] - level
-            if passes(first, last) and count < capacity:
+            value_at_high = value_at_sample(wave, point + stride)[0] - level
+            if passes(value_at_low, value_at_high) and count < capacity:
                 count += 1
-                table[row, count] = passage(wave, level, low, low + step, first, last)
-            first = last
+                table[row, count] = passage(
+                    wave, level, low, low + step, value_at_low, value_at_high
+                )
+            value_at_low = value_at_high
         else:
-            count, first = in_piece(wave, level, low, low + step, bend, first, row, count, capacity)
+            count, value_at_low = passages_in_piece(
+                wave, level, low, low + step, bend, value_at_low, row, count, capacity
+            )
     return count
 
 
@@ -138,24 +142,26 @@ def two_passages(sine: float, cosine: float, level: float, table: Floats, row: i
     size = math.sqrt(sine * sine + cosine * cosine)
     if not abs(level) < size:
         return 0
-    lead, rise = math.atan2(cosine, sine), math.asin(level / size)
-    one, other = (rise - lead) % TURN, (math.pi - rise - lead) % TURN
-    table[row, 1], table[row, 2] = min(one, other), max(one, other)
+    phase_lead, rise_phase = math.atan2(cosine, sine), math.asin(level / size)
+    rising, falling = (rise_phase - phase_lead) % TURN, (math.pi - rise_phase - phase_lead) % TURN
+    table[row, 1], table[row, 2] = min(rising, falling), max(rising, falling)
     return 2
 
 
 @borrowing
-def passes(first: float, last: float) -> bool:
+def passes(value: float, next_value: float) -> bool:
     """True if a sign changes between two values, a <= 0 < b or a >= 0 > b."""
-    return first <= 0.0 < last or first >= 0.0 > last
+    return value <= 0.0 < next_value or value >= 0.0 > next_value
 
 
 @borrowing
-def in_piece(
-    wave: SineSum, level: float, low: float, high: float, bend: float, first: float, row: int,
-    count: int, capacity: int,
+def passages_in_piece(
+    wave: SineSum, level: float, low: float, high: float, bend: float, value_at_low: float,
+    row: int, count: int, capacity: int,
 ) -> tuple[int, float]:  # fmt: skip
     """Write the phases in [low, high] at which a sum of sines S passes a level, by halving."""
+    # By the rules of `passages`; pieces are halved where needed, and doubled after each. Return the
+    # number of phases written so far, and S - level at `high`.
     tau, step = low, 0.5 * (high - low)
     while tau < high:
         step = min(step, high - tau)
@@ -163,57 +169,61 @@ def in_piece(
         value, slope = value_and_slope(wave, tau + half)
         value -= level
         if abs(value) > (abs(slope) + 0.5 * bend * half) * half:
-            first = value
+            value_at_low = value
         elif abs(slope) <= bend * half and step > FINEST:
             step = half
             continue
         else:
-            last = value_and_slope(wave, tau + step)[0] - level
-            if passes(first, last) and count < capacity:
+            value_at_high = value_and_slope(wave, tau + step)[0] - level
+            if passes(value_at_low, value_at_high) and count < capacity:
                 count += 1
-                wave.table[row, count] = passage(wave, level, tau, tau + step, first, last)
-            first = last
+                wave.table[row, count] = passage(
+                    wave, level, tau, tau + step, value_at_low, value_at_high
+                )
+            value_at_low = value_at_high
         tau, step = tau + step, 2.0 * step
-    return count, first
+    return count, value_at_low
 
 
 @borrowing
 def passage(
-    wave: SineSum, level: float, low: float, high: float, first: float, last: float
+    wave: SineSum, level: float, low: float, high: float, value_at_low: float, value_at_high: float
 ) -> float:
     """Return the phase in [low, high] at which a sum of sines, monotonic there, passes `level`."""
     table, sines, cosines = wave.table, wave.sines, wave.cosines
-    piece, at = high - low, low + (high - low) * first / (first - last)
+    width, tau = high - low, low + (high - low) * value_at_low / (value_at_low - value_at_high)
     for _ in range(MAX_ITERATIONS):
-        sine_1, cosine_1 = math.sin(at), math.cos(at)
+        sine_1, cosine_1 = math.sin(tau), math.cos(tau)
         sine, cosine, value, slope, bend = sine_1, cosine_1, -level, 0.0, 0.0
         for k in range(1, wave.orders + 1):
             a, b = table[sines, k], table[cosines, k]
-            here = a * sine + b * cosine
-            value += here
+            term = a * sine + b * cosine
+            value += term
             slope += k * (a * cosine - b * sine)
-            bend -= (k * k) * here
+            bend -= (k * k) * term
             sine, cosine = sine * cosine_1 + cosine * sine_1, cosine * cosine_1 - sine * sine_1
-        if (value > 0.0) == (last > 0.0):
-            high = at
+        if (value > 0.0) == (value_at_high > 0.0):
+            high = tau
         else:
-            low = at
-        new = at - halley(value, slope, bend)
-        if not low <= new <= high:
-            new = 0.5 * (low + high)
-            if new in (low, high):
-                return new
-        elif abs(new - at) <= LAST_STEP * piece and is_near_root(value, slope, bend, LAST_STEP):
-            return new
-        at = new
-    return at
+            low = tau
+        next_tau = tau - halley(value, slope, bend)
+        if not low <= next_tau <= high:
+            next_tau = 0.5 * (low + high)
+            if next_tau in (low, high):
+                return next_tau
+        elif abs(next_tau - tau) <= LAST_STEP * width and is_near_root(
+            value, slope, bend, LAST_STEP
+        ):
+            return next_tau
+        tau = next_tau
+    return tau
 
 
 @borrowing
 def halley(value: float, slope: float, bend: float) -> float:
     """Return Halley's step to a root, f f'/(f'^2 - f f''/2), to subtract from the argument."""
-    below = slope * slope - 0.5 * value * bend
-    return value * slope / below if below > 0.0 else math.inf
+    denominator = slope * slope - 0.5 * value * bend
+    return value * slope / denominator if denominator > 0.0 else math.inf
 
 
 @borrowing

@@ -68,40 +68,44 @@ def reference_motion(
                 if math.isfinite(error):
                     status = "neutral" if run.slides_free else "periodic"
                     return _result(velocity, error, 0.0, run, multiple, multiple, status)
-            run.hasten()
+            run.approach_cycle()
         except FailedError:
             return _nothing()
     if run.is_on_its_way:
         return _nothing("limit_reached")
     half = len(run.tallies) // 2
-    travels = np.array([
+    velocities = np.array([
         float(after[X] - before[X]) / PERIOD
         for before, after in zip(run.before[half:], run.after[half:], strict=True)
     ])  # fmt: skip
-    velocity, spread = float(np.mean(travels)), float(np.std(travels))
-    most = abs(velocity) + run.scale  # as fast as the drive, either way
+    velocity, spread = float(np.mean(velocities)), float(np.std(velocities))
+    largest_error = abs(velocity) + run.scale  # as fast as the drive, either way
     unsettled = run.lingers or run.drifts(len(run.tallies) - half)
-    error = most if unsettled else _scatter(travels, most)
-    return _result(velocity, error, spread, run, len(travels), 0, "aperiodic")
+    error = largest_error if unsettled else _scatter_error(velocities, largest_error)
+    return _result(velocity, error, spread, run, len(velocities), 0, "aperiodic")
 
 
 def _numbers(groups: Groups) -> Array:
     return np.concatenate([np.ravel(part) for part in (*groups.numbers, *(groups.wave or ()))])
 
 
-def _scatter(means: Array, most: float) -> float:
+def _scatter_error(means: Array, largest_error: float) -> float:
     # The error of the mean of single periods: what 99.9 % of Student's distribution allow for the
     # mean of up to 8 stretches, the halves' difference, and the largest distance from a steady
-    # travel; at least `most` if the halves differ by more than the scatter explains.
+    # travel; at least `largest_error` if the halves differ by more than the scatter explains.
     if means.size < 2:
-        return most
-    stretches = np.array([np.mean(some) for some in np.array_split(means, min(8, means.size))])
-    likely = float(scipy.special.stdtrit(stretches.size - 1, 0.9995)) / math.sqrt(stretches.size)
-    first, second = (float(np.mean(some)) for some in np.array_split(means, 2))
-    strays = float(np.abs(np.cumsum(means - np.mean(means))).max()) / means.size
-    error = likely * float(np.std(stretches, ddof=1)) + abs(second - first) + strays
-    jumps = math.sqrt(0.5 * float(np.mean(np.diff(stretches) ** 2)))
-    return max(error, most) if abs(second - first) > 2.0 * likely * jumps else error
+        return largest_error
+    stretches = np.array([np.mean(part) for part in np.array_split(means, min(8, means.size))])
+    quantile = float(scipy.special.stdtrit(stretches.size - 1, 0.9995)) / math.sqrt(stretches.size)
+    first, second = (float(np.mean(part)) for part in np.array_split(means, 2))
+    largest_stray = float(np.abs(np.cumsum(means - np.mean(means))).max()) / means.size
+    error = quantile * float(np.std(stretches, ddof=1)) + abs(second - first) + largest_stray
+    neighbour_scatter = math.sqrt(0.5 * float(np.mean(np.diff(stretches) ** 2)))
+    return (
+        max(error, largest_error)
+        if abs(second - first) > 2.0 * quantile * neighbour_scatter
+        else error
+    )
 
 
 def _motion(values: Iterable[float], status: str) -> Motion:
@@ -122,21 +126,22 @@ def _result(
     multiple: int,
     status: str,
 ) -> Motion:
+    # The `Motion` of a run: means over its last `periods`, in the order of the fields.
     tallies = run.tallies[-periods:]
     phase = PERIOD * periods
     across = float(run.after[-1][Y] - run.before[-periods][Y]) / phase
-    comes_back = not run.at_large(periods) or run.laws.contacts.rolling
+    comes_back = not run.is_off_wall(periods) or run.laws.contacts.rolling
 
     def total(name: str) -> float:
         return sum(getattr(tally, name) for tally in tallies)
 
-    def most(name: str) -> float:
+    def largest(name: str) -> float:
         return max((getattr(tally, name) for tally in tallies), default=math.nan)
 
     values = (
         velocity, spread, error,
         *(total(name) / phase for name in ("stick", "forward", "backward", "flight")),
-        total("impacts") / periods, most("landing_speed"), most("hop_height"),
+        total("impacts") / periods, largest("landing_speed"), largest("hop_height"),
         float(multiple), 0.0 if comes_back else across,
     )  # fmt: skip
     return with_whole_shares(_motion(values, status))
@@ -156,9 +161,9 @@ def motion_by_reference(
     for cell, part in enumerate(parts):
         if watch.stopped():
             break
-        held = part.friction_static * part.gravity_number_normal
+        static_limit = part.friction_static * part.gravity_number_normal
         # Not told at a wall, whose friction may hold the part (theory 13.8).
-        if not contacts.wall and abs(part.gravity_number_along) > held:
+        if not contacts.wall and abs(part.gravity_number_along) > static_limit:
             status[cell] = STATUS["runaway"]
         else:
             try:

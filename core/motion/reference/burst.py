@@ -42,14 +42,14 @@ class _Stopping(Part):
     # A part that remembers the phase of its last event.
     last = 0.0
 
-    def happen(self, event: str, mode: Mode) -> str:
+    def apply_event(self, event: str, mode: Mode) -> str:
         self.last = self.phase if event else self.last
-        return super().happen(event, mode)
+        return super().apply_event(event, mode)
 
-    def close(self, mode: Mode, end: float) -> bool:
-        closed = super().close(mode, end)
-        self.last = self.phase if closed else self.last
-        return closed
+    def stop_straight(self, mode: Mode, end: float) -> bool:
+        stopped = super().stop_straight(mode, end)
+        self.last = self.phase if stopped else self.last
+        return stopped
 
     @property
     def rests(self) -> bool:
@@ -63,36 +63,37 @@ def follow_burst(
     periods: int,
     watch: Watch,
     record: Record | None,
-    at: Array = NO_PHASES,
+    sample_phases: Array = NO_PHASES,
 ) -> tuple[float, float, Array]:
     """Return travel and coasting of one part, as in `Burst`, and its states.
 
-    The states, shape (n, 7), are those at phases `at` since the start, shape (n,), ascending.
+    The states, shape (n, 7), are those at phases `sample_phases` since the start, shape (n,),
+    ascending.
     """
     start = math.pi / 2 if groups.wave is None and record is None else 0.0
     part = _Stopping(ReferenceLaws(groups, contacts, record=record), np.zeros(7), watch=watch)
     part.phase = start
-    rows, phases = np.full((at.size, 7), np.nan), start + at
+    rows, phases = np.full((sample_phases.size, 7), np.nan), start + sample_phases
     part.advance(start + periods * TURN, phases, rows)
-    still = groups._replace(
+    groups_at_rest = groups._replace(
         drive_number_along=0.0, drive_number_across=0.0, drive_number_normal=0.0, wave=None
     )
-    part.laws, part.until, part.last = ReferenceLaws(still, contacts), math.inf, part.phase
+    part.laws, part.until, part.last = ReferenceLaws(groups_at_rest, contacts), math.inf, part.phase
     end = part.phase
-    later = phases > end
+    after_end = phases > end
     for turn in range(MAX_COASTING):
-        if part.rests and held(still):
-            rows[later & np.isnan(rows[:, X])] = part.state
+        if part.rests and static_friction_holds(groups_at_rest):
+            rows[after_end & np.isnan(rows[:, X])] = part.state
             return float(part.state[X]), part.last - end, rows
         until = end + (turn + 1) * TURN
-        now = later & (phases > part.phase) & (phases <= until)
-        some = rows[now]
-        part.advance(until, phases[now], some)
-        rows[now] = some
+        in_turn = after_end & (phases > part.phase) & (phases <= until)
+        states = rows[in_turn]
+        part.advance(until, phases[in_turn], states)
+        rows[in_turn] = states
     return math.nan, math.nan, rows
 
 
-def held(groups: Groups) -> bool:
+def static_friction_holds(groups: Groups) -> bool:
     """True where static friction holds a part on the track at rest."""
     return bool(
         abs(groups.gravity_number_along) <= groups.friction_static * groups.gravity_number_normal
@@ -127,18 +128,20 @@ def burst_by_reference(
 
 
 def burst_trajectory(
-    asked: TrajectoryRequest, contacts: Contacts, *, record: Record | None = None
+    request: TrajectoryRequest, contacts: Contacts, *, record: Record | None = None
 ) -> Trajectory:
     """Return the trajectory of one part in a burst, until it rests or at the asked times."""
-    groups, periods = asked.groups, round(asked.known["burst_periods"].item())
-    length = asked.scale("length_scale")
-    unit = length / asked.scale("velocity_scale")  # of time [s]
-    if isinstance(asked.samples, int):
-        lasts = periods * TURN + float(np.nan_to_num(asked.known["burst"].coasting.item()))
-        asked = asked._replace(samples=(*np.linspace(0.0, unit * lasts, asked.samples + 1),))
-    phases = asked.times()[1]
-    rows = follow_burst(groups, contacts, periods, asked.watch, record, phases)[2]
-    moved = asked.trajectory(
+    groups, periods = request.groups, round(request.known["burst_periods"].item())
+    length = request.scale("length_scale")
+    time_scale = length / request.scale("velocity_scale")  # of time [s]
+    if isinstance(request.samples, int):
+        duration = periods * TURN + float(np.nan_to_num(request.known["burst"].coasting.item()))
+        request = request._replace(
+            samples=(*np.linspace(0.0, time_scale * duration, request.samples + 1),)
+        )
+    phases = request.times()[1]
+    rows = follow_burst(groups, contacts, periods, request.watch, record, phases)[2]
+    trajectory = request.trajectory(
         Path(phases, rows[:, :UX], rows[:, UX:SPIN]), _modes(rows), contacts.wall
     )
     ends = np.minimum(phases, periods * TURN)
@@ -146,10 +149,11 @@ def burst_trajectory(
         name: length * _track(groups, record, axis, ends)
         for name, axis in (("track_along", ALONG), ("track_normal", NORMAL))
     }
-    return {**moved, **track}
+    return {**trajectory, **track}
 
 
 def _modes(rows: Array) -> NDArray[np.int8]:
+    # The `MOTION_MODES` value of each state, NaN being unknown.
     slip = np.where(np.abs(rows[:, UX]) <= STOPPED, 0.0, rows[:, UX])
     names = np.select(
         [np.isnan(slip), rows[:, Z] > 0.0, slip > 0.0, slip < 0.0],
@@ -165,5 +169,5 @@ def _track(groups: Groups, record: Record | None, axis: int, phases: Array) -> A
         return groups.drive[axis] * record.moved(axis, phases, 2)
     if groups.wave is None:
         return np.asarray(groups.drive[axis] * (np.cos(phases) - 1.0))
-    before = position_at(groups.wave, axis, 0.0) + velocity_at(groups.wave, axis, 0.0) * phases
-    return position_at(groups.wave, axis, phases) - before
+    straight = position_at(groups.wave, axis, 0.0) + velocity_at(groups.wave, axis, 0.0) * phases
+    return position_at(groups.wave, axis, phases) - straight

@@ -85,8 +85,8 @@ class Piece:
         if not self.order:
             along, across, normal = (level + 0.0 * phase for level in self.level)
             return along, across, normal
-        turned = np.multiply.outer(self.orders, phase)
-        waves = np.tensordot(self.harmonics, [np.sin(turned), np.cos(turned)], ([1, 2], [0, 1]))
+        angles = np.multiply.outer(self.orders, phase)
+        waves = np.tensordot(self.harmonics, [np.sin(angles), np.cos(angles)], ([1, 2], [0, 1]))
         along, across, normal = (
             wave + level for wave, level in zip(waves, self.level, strict=True)
         )
@@ -97,9 +97,9 @@ class Piece:
 
         Here w = 2 pi f, f being the frequency of the drive.
         """
-        turned = np.multiply.outer(self.orders, phase)
+        angles = np.multiply.outer(self.orders, phase)
         sine, cosine = self.harmonics[ALONG] / self.orders
-        waves = np.tensordot(sine, np.cos(turned), 1) - np.tensordot(cosine, np.sin(turned), 1)
+        waves = np.tensordot(sine, np.cos(angles), 1) - np.tensordot(cosine, np.sin(angles), 1)
         return waves + self.track - self.level[ALONG] * (phase - self.start)
 
     @property
@@ -127,11 +127,11 @@ def pieces(groups: Groups, begin: float, end: float) -> Iterator[tuple[Sine | Pi
     levels = [tuple(level) for level in wave.steps[:ENDS].T.tolist()]
     turn = math.floor(begin / TURN)
     while True:
-        for number, level in enumerate(levels):
-            start = turn * TURN + (ends[number - 1] if number else 0.0)
-            stop = turn * TURN + ends[number]
+        for index, level in enumerate(levels):
+            start = turn * TURN + (ends[index - 1] if index else 0.0)
+            stop = turn * TURN + ends[index]
             if stop > max(begin, start):
-                yield Piece(wave.harmonics, level, start, speeds[number]), min(stop, end)
+                yield Piece(wave.harmonics, level, start, speeds[index]), min(stop, end)
                 if stop >= end:
                     return
         turn += 1
@@ -204,12 +204,12 @@ class ReferenceLaws:
         Along, across and normal. `phase` is that of the drive, `ux` the velocity along in g/w (w =
         2 pi f): in a curve it acts across. Both may be arrays.
         """
-        p, (along, across, normal) = self.groups, self.drive.push(phase)
-        across = across - p.gravity_number_across
-        if p.curvature_number:
+        groups, (along, across, normal) = self.groups, self.drive.push(phase)
+        across = across - groups.gravity_number_across
+        if groups.curvature_number:
             speed = ux + self.drive.speed(phase)
-            across = across - p.curvature_number * speed * speed
-        return along - p.gravity_number_along, across, normal - p.gravity_number_normal
+            across = across - groups.curvature_number * speed * speed
+        return along - groups.gravity_number_along, across, normal - groups.gravity_number_normal
 
     def forces(self, phase: Numbers, mode: Mode, ux: Numbers, e: tuple[Numbers, Numbers]) -> Forces:
         """Return contact forces and rates of the velocities of a part in a mode of contact.
@@ -219,30 +219,47 @@ class ReferenceLaws:
         along in g/w (w = 2 pi f), `e` the direction of slip (two components). All may be arrays
         over phases.
         """
-        p, (dx, dy, dz) = self.groups, self.free(phase, ux)
+        groups, (free_x, free_y, free_z) = self.groups, self.free(phase, ux)
         if mode.floor and mode.wall:
             if not mode.slips:
-                return Forces(-dz, -dy, (0.0, 0.0, 0.0, 0.0))
-            k, m, es = p.friction_kinetic, p.wall_friction, e[1]
-            normal = (-dz + m * es * dy) / (1.0 + m * k * es * es)
-            side = -dy + k * es * normal
-            drag = k * normal + m * side
+                return Forces(-free_z, -free_y, (0.0, 0.0, 0.0, 0.0))
+            mu_floor, mu_wall, e_2 = groups.friction_kinetic, groups.wall_friction, e[1]
+            normal = (-free_z + mu_wall * e_2 * free_y) / (1.0 + mu_wall * mu_floor * e_2 * e_2)
+            side = -free_y + mu_floor * e_2 * normal
+            drag = mu_floor * normal + mu_wall * side
             return Forces(
-                normal, side, (dx - drag * e[0], 0.0, 0.0, -self.contacts.rolling * drag * es)
+                normal, side, (free_x - drag * e[0], 0.0, 0.0, -self.contacts.rolling * drag * e_2)
             )
         if mode.floor:
             if mode.slips:
-                fx, fy = (p.friction_kinetic * dz * component for component in e)
+                friction_x, friction_y = (
+                    groups.friction_kinetic * free_z * component for component in e
+                )
             else:
-                fx, fy = -dx, -dy / self.response
-            return Forces(-dz, 0.0, (dx + fx, dy + fy, 0.0, self.contacts.rolling * fy))
+                friction_x, friction_y = -free_x, -free_y / self.response
+            return Forces(
+                -free_z,
+                0.0,
+                (free_x + friction_x, free_y + friction_y, 0.0, self.contacts.rolling * friction_y),
+            )
         if mode.wall:
             if mode.slips:
-                wx, wz = (p.wall_friction * dy * component for component in e)
+                friction_x, friction_z = (
+                    groups.wall_friction * free_y * component for component in e
+                )
             else:
-                wx, wz = -dx, -dz / self.response
-            return Forces(0.0, -dy, (dx + wx, 0.0, dz + wz, -self.contacts.rolling * wz))
-        return Forces(0.0, 0.0, (dx, dy, dz, 0.0))
+                friction_x, friction_z = -free_x, -free_z / self.response
+            return Forces(
+                0.0,
+                -free_y,
+                (
+                    free_x + friction_x,
+                    0.0,
+                    free_z + friction_z,
+                    -self.contacts.rolling * friction_z,
+                ),
+            )
+        return Forces(0.0, 0.0, (free_x, free_y, free_z, 0.0))
 
     def slip(self, mode: Mode, state: Array) -> tuple[float, float]:
         """Return the two components of the slip at the contacts of a mode, in g/w (w = 2 pi f).
@@ -265,10 +282,16 @@ class ReferenceLaws:
         in the direction `angle` in rad, at the `phase` in rad; all may be arrays. `mode` holds the
         contacts, which determine the two axes of the slip.
         """
-        e = np.cos(angle), np.sin(angle)
-        ax, ay, az, spin = self.forces(phase, mode, size * e[0], e).rates
-        second = spin if mode.floor and mode.wall else ay + spin if mode.floor else az - spin
-        return e[0] * ax + e[1] * second, e[0] * second - e[1] * ax
+        direction = np.cos(angle), np.sin(angle)
+        rate_x, rate_y, rate_z, spin = self.forces(
+            phase, mode, size * direction[0], direction
+        ).rates
+        second = (
+            spin if mode.floor and mode.wall else rate_y + spin if mode.floor else rate_z - spin
+        )
+        return direction[0] * rate_x + direction[1] * second, direction[0] * second - direction[
+            1
+        ] * rate_x
 
     def impending(self, phase: Numbers, mode: Mode) -> tuple[Numbers, Numbers, Numbers, Numbers]:
         """Return the push on a part at rest (two components), kinetic and static friction, in g.
@@ -277,18 +300,28 @@ class ReferenceLaws:
         directions in which the contacts of `mode` may slip: along, and across on the floor, normal
         at the wall, 0 at both. `phase` is in rad, or an array of phases.
         """
-        p, (dx, dy, dz) = self.groups, self.free(phase, 0.0)
+        groups, (free_x, free_y, free_z) = self.groups, self.free(phase, 0.0)
         if mode.floor and mode.wall:
-            side = -p.wall_friction * dy
-            return dx, 0.0, -p.friction_kinetic * dz + side, -p.friction_static * dz + side
+            wall_friction = -groups.wall_friction * free_y
+            return (
+                free_x,
+                0.0,
+                -groups.friction_kinetic * free_z + wall_friction,
+                -groups.friction_static * free_z + wall_friction,
+            )
         if mode.floor:
-            return dx, dy, -p.friction_kinetic * dz, -p.friction_static * dz
-        return dx, dz, -p.wall_friction * dy, -p.wall_friction * dy
+            return (
+                free_x,
+                free_y,
+                -groups.friction_kinetic * free_z,
+                -groups.friction_static * free_z,
+            )
+        return free_x, free_z, -groups.wall_friction * free_y, -groups.wall_friction * free_y
 
     def excess(self, phase: Numbers, mode: Mode) -> Numbers:
         """Return the push squared minus static friction squared, in g^2; slip begins above 0."""
-        first, second, _, hold = self.impending(phase, mode)
-        return first * first + (second / self.response) ** 2 - hold * hold
+        first, second, _, static_friction = self.impending(phase, mode)
+        return first * first + (second / self.response) ** 2 - static_friction * static_friction
 
     def onset_direction(self, phase: float, mode: Mode) -> tuple[float, float]:
         """Return the direction in which a slip begins at `phase` in rad: a unit vector (2).
@@ -297,15 +330,15 @@ class ReferenceLaws:
         (`secular`, theory 7.3). `mode` holds the contacts that carry the part, which determine the
         two axes of the slip. Without any push at this phase, that shortly afterwards is taken.
         """
-        first, second, slide, _ = self.impending(phase, mode)
+        first, second, kinetic_friction, _ = self.impending(phase, mode)
         if first == 0.0 == second:  # without friction slip begins before there is a push
-            first, second, slide, _ = self.impending(phase + SOON, mode)
-        return self.secular(first, second, slide)
+            first, second, kinetic_friction, _ = self.impending(phase + SOON, mode)
+        return self.secular(first, second, kinetic_friction)
 
-    def secular(self, first: float, second: float, slide: float) -> tuple[float, float]:
+    def secular(self, first: float, second: float, friction: float) -> tuple[float, float]:
         """Return the direction of a slip under a push and kinetic friction, a unit vector.
 
-        `first` and `second` are the components of the push or slip without friction, `slide` the
+        `first` and `second` are the components of the push or slip without friction, `friction` the
         friction in the same unit. e = (first/(z + slide), second/(z + r slide)) with the z >= 0
         that makes it a unit vector, and the response r of the second component, which is not 1 for
         a cylinder (theory 7.3).
@@ -318,11 +351,11 @@ class ReferenceLaws:
             z = 0.5 * (low + high)
             if z in (low, high):
                 break
-            if math.hypot(first / (z + slide), second / (z + response * slide)) > 1.0:
+            if math.hypot(first / (z + friction), second / (z + response * friction)) > 1.0:
                 low = z
             else:
                 high = z
-        e = first / (high + slide), second / (high + response * slide)
+        e = first / (high + friction), second / (high + response * friction)
         return e[0] / math.hypot(*e), e[1] / math.hypot(*e)
 
     def stopping(self, first: float, second: float, limit: float) -> tuple[float, float]:
@@ -334,5 +367,5 @@ class ReferenceLaws:
         """
         if math.hypot(first, second / self.response) <= limit:
             return -first, -second / self.response
-        e = self.secular(first, second, limit)
-        return -limit * e[0], -limit * e[1]
+        direction = self.secular(first, second, limit)
+        return -limit * direction[0], -limit * direction[1]

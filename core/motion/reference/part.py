@@ -79,17 +79,17 @@ class Part:
 
     # --- modes
 
-    def choose(self, opened: str) -> Mode:
+    def choose_mode(self, lost_contact: str) -> Mode:
         """Return the contact mode in which the part continues: what carries it, and if it slips.
 
-        `opened` is the contact just lost ("floor", "wall"), "slip" if friction has just given way,
-        or "". Raises `FailedError` if no mode fits.
+        `lost_contact` is the contact just lost ("floor", "wall"), "slip" if friction has just given
+        way, or "". Raises `FailedError` if no mode fits.
         """
-        self.settle()
+        self.put_on_contacts()
         for _ in range(3):
-            _, dy, dz = self.laws.free(self.phase, float(self.state[UX]))
-            floor = self.on_floor and opened != "floor" and dz < 0.0
-            wall = self.on_wall and opened != "wall" and dy < 0.0
+            _, free_y, free_z = self.laws.free(self.phase, float(self.state[UX]))
+            floor = self.on_floor and lost_contact != "floor" and free_z < 0.0
+            wall = self.on_wall and lost_contact != "wall" and free_y < 0.0
             if not (floor or wall):
                 return Mode(False, False, True)
             mode = Mode(floor, wall, True)
@@ -97,33 +97,38 @@ class Part:
             if math.hypot(*slip) <= STOPPED:
                 self.stop(mode)
                 # An event found at its threshold is one: the slip starts.
-                begins = opened == "slip" or self.laws.excess(self.phase, mode) > 0.0
+                begins = lost_contact == "slip" or self.laws.excess(self.phase, mode) > 0.0
                 return Mode(floor, wall, bool(begins))
             size = math.hypot(*slip)
-            e = (slip[0] / size, slip[1] / size)
-            found = self.laws.forces(self.phase, mode, float(self.state[UX]), e)
-            if floor and found.normal < 0.0:
-                opened = "floor"
-            elif wall and found.side < 0.0:
-                opened = "wall"
+            direction = (slip[0] / size, slip[1] / size)
+            forces = self.laws.forces(self.phase, mode, float(self.state[UX]), direction)
+            if floor and forces.normal < 0.0:
+                lost_contact = "floor"
+            elif wall and forces.side < 0.0:
+                lost_contact = "wall"
             else:
                 return mode
         raise FailedError
 
-    def settle(self) -> None:
+    def put_on_contacts(self) -> None:
         """Put a part that has stopped beside floor or wall onto it, if it is pressed towards it.
 
         A slip along the wall may stop during the last hops on the floor: it would otherwise begin
         anew for ever, with a stretch longer than a hop.
         """
-        s = self.state
-        _, dy, dz = self.laws.free(self.phase, float(s[UX]))
-        if not self.on_floor and dz < 0.0 and abs(s[Z]) <= TOUCHING and abs(s[UZ]) <= STOPPED:
-            s[Z], s[UZ], self.on_floor = 0.0, 0.0, True
+        state = self.state
+        _, free_y, free_z = self.laws.free(self.phase, float(state[UX]))
+        if (
+            not self.on_floor
+            and free_z < 0.0
+            and abs(state[Z]) <= TOUCHING
+            and abs(state[UZ]) <= STOPPED
+        ):
+            state[Z], state[UZ], self.on_floor = 0.0, 0.0, True
         if not self.laws.contacts.wall or self.on_wall:
             return
-        if dy < 0.0 and abs(s[Y]) <= TOUCHING and abs(s[UY]) <= STOPPED:
-            s[Y], s[UY], self.on_wall = 0.0, 0.0, True
+        if free_y < 0.0 and abs(state[Y]) <= TOUCHING and abs(state[UY]) <= STOPPED:
+            state[Y], state[UY], self.on_wall = 0.0, 0.0, True
 
     def stop(self, mode: Mode) -> None:
         """Set a slip that has come to zero within rounding to exactly zero.
@@ -132,16 +137,16 @@ class Part:
         a cylinder that does not touch both floor and wall keeps the second component, and gets the
         spin with which it rolls.
         """
-        s, rolling = self.state, self.laws.contacts.rolling
-        s[UX] = 0.0
+        state, rolling = self.state, self.laws.contacts.rolling
+        state[UX] = 0.0
         if mode.floor and mode.wall:
-            s[SPIN] = 0.0
+            state[SPIN] = 0.0
         elif mode.floor:
-            s[UY] = 0.0 if rolling == 0.0 else s[UY]
-            s[SPIN] = -s[UY] if rolling else 0.0
+            state[UY] = 0.0 if rolling == 0.0 else state[UY]
+            state[SPIN] = -state[UY] if rolling else 0.0
         else:
-            s[UZ] = 0.0 if rolling == 0.0 else s[UZ]
-            s[SPIN] = s[UZ] if rolling else 0.0
+            state[UZ] = 0.0 if rolling == 0.0 else state[UZ]
+            state[SPIN] = state[UZ] if rolling else 0.0
 
     # --- events
 
@@ -156,27 +161,27 @@ class Part:
         if mode.floor:
             events.append((fall_from_start(stretch.normal), "lift"))
         else:
-            events.append((self.returns(stretch, Z, UZ), "land"))
+            events.append((self.strike_point(stretch, Z, UZ), "land"))
         if mode.wall:
             events.append((fall_from_start(stretch.side), "leave"))
         elif self.on_wall:  # still touching: held by the floor
             pressed = FROM_NODES @ (self.laws.free(phases, 0.0)[1] + PRESSED)
             events.append((fall_from_start(pressed), "press"))
         elif self.laws.contacts.wall:
-            events.append((self.returns(stretch, Y, UY), "bump"))
+            events.append((self.strike_point(stretch, Y, UY), "bump"))
         if mode.floor or mode.wall:
             if not mode.slips:
                 first, second, _, _ = self.laws.impending(phases, mode)
                 if np.any(first) or np.any(second):  # else what floats off does not slip before
-                    left = FROM_NODES @ -self.laws.excess(phases, mode)
-                    events.append((fall_from_start(left), "slip"))
+                    friction_left = FROM_NODES @ -self.laws.excess(phases, mode)
+                    events.append((fall_from_start(friction_left), "slip"))
             elif begins:  # it is 0 at the start: what is left without that root
                 events.append((first_fall(MEAN @ stretch.growth), "stop"))
             else:
                 events.append((fall_from_start(stretch.size), "stop"))
-        return min(events, key=lambda one: one[0])
+        return min(events, key=lambda event: event[0])
 
-    def returns(self, stretch: Stretch, axis: int, speed: int) -> float:
+    def strike_point(self, stretch: Stretch, axis: int, speed: int) -> float:
         """Return the point of a stretch, 0 to 1, at which the part strikes a contact; else inf.
 
         `axis` and `speed` are the places of the distance and of its velocity in the state. If the
@@ -189,20 +194,20 @@ class Part:
             return first_fall(MEAN @ stretch.states[speed])
         return fall_from_start(MEAN_TWICE @ stretch.rates[speed - UX])
 
-    def missed(self) -> str:
+    def due_impact(self) -> str:
         """Return the impact ("land", "bump") that is due at once, or "" if there is none.
 
         The search for events finds only conditions that change sign later on, so that an impact at
         the very phase of another event would be missed.
         """
-        s = self.state
-        if s[Z] <= 0.0 and s[UZ] < -STOPPED:
+        state = self.state
+        if state[Z] <= 0.0 and state[UZ] < -STOPPED:
             return "land"
-        if self.laws.contacts.wall and s[Y] <= 0.0 and s[UY] < -STOPPED:
+        if self.laws.contacts.wall and state[Y] <= 0.0 and state[UY] < -STOPPED:
             return "bump"
         return ""
 
-    def happen(self, event: str, mode: Mode) -> str:
+    def apply_event(self, event: str, mode: Mode) -> str:
         """Change the state of the part by an event; return the contact lost, "slip", or "".
 
         `event` is "lift" (off the floor), "leave" (the wall), "slip" (static friction gives way),
@@ -226,59 +231,63 @@ class Part:
 
     # --- going on
 
-    def advance(self, end: float, asked: Array | None = None, rows: Array | None = None) -> None:
+    def advance(
+        self, end: float, sample_phases: Array | None = None, rows: Array | None = None
+    ) -> None:
         """Advance the part to the phase `end` in rad, event by event; fill states at asked phases.
 
         Where the push jumps a stretch ends, and the mode is chosen anew. `rows`, shape (n, 7), gets
-        the states at `asked`, ascending. Raises `FailedError` after too many events.
+        the states at `sample_phases`, ascending. Raises `FailedError` after too many events.
         """
-        if asked is not None and rows is not None:
-            rows[asked <= self.phase] = self.state
+        if sample_phases is not None and rows is not None:
+            rows[sample_phases <= self.phase] = self.state
         wave = self.laws.groups.wave
         jumps = self.laws.record is not None or (wave is not None and wave.steps.shape[1] > 0)
         for laws, reached in self.laws.pieces(self.phase, end):
             self.laws, self.until = laws, reached if jumps else math.inf
-            self.advance_without_jump(reached, asked, rows)
+            self.advance_without_jump(reached, sample_phases, rows)
 
-    def rest_on(self, mode: Mode) -> bool:
+    def set_contacts(self, mode: Mode) -> bool:
         """Record the contacts of a mode that carry the part; True if a slip begins from rest."""
         self.on_floor = mode.floor
         # Without slip a block stays at the wall though it does not press on it.
-        held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
-        self.on_wall = mode.wall or (self.on_wall and held)
+        stays_at_wall = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
+        self.on_wall = mode.wall or (self.on_wall and stays_at_wall)
         touching = mode.floor or mode.wall
         return mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
 
-    def advance_without_jump(self, end: float, asked: Array | None, rows: Array | None) -> None:
+    def advance_without_jump(
+        self, end: float, sample_phases: Array | None, rows: Array | None
+    ) -> None:
         """Advance the part to the phase `end` in rad, event by event; no jump comes before it.
 
-        `rows` gets the states at the phases `asked`.
+        `rows` gets the states at the phases `sample_phases`.
         """
-        opened, still = "", 0
+        lost_contact, events_at_phase = "", 0
         for _ in range(MAX_EVENTS):
             if self.phase >= end:
                 return
             self.watch.check()
-            if missed := self.missed():
-                opened = self.happen(missed, Mode(False, False, True))
+            if impact := self.due_impact():
+                lost_contact = self.apply_event(impact, Mode(False, False, True))
                 continue
-            mode = self.choose(opened)
-            if self.close(mode, end):
-                opened = ""
+            mode = self.choose_mode(lost_contact)
+            if self.stop_straight(mode, end):
+                lost_contact = ""
                 continue
-            begins = self.rest_on(mode)
+            begins = self.set_contacts(mode)
             stretch = self.follow(mode, end, begins)
-            at, event = self.first_event(mode, stretch, begins)
-            self.note(mode, stretch, at)
-            reached = stretch.start + at * stretch.length
-            if at == 1.0 and end - reached < 1e-15 * (1.0 + end):
+            point, event = self.first_event(mode, stretch, begins)
+            self.tally_stretch(mode, stretch, point)
+            reached = stretch.start + point * stretch.length
+            if point == 1.0 and end - reached < 1e-15 * (1.0 + end):
                 reached = end
-            if asked is not None and rows is not None:
-                stretch.sample(asked, reached, rows)
-            self.phase, self.state = reached, stretch.state(at)
-            opened = self.happen(event, mode)
-            still = still + 1 if reached == stretch.start else 0
-            if still > 20:  # round in a circle at one phase
+            if sample_phases is not None and rows is not None:
+                stretch.sample(sample_phases, reached, rows)
+            self.phase, self.state = reached, stretch.state(point)
+            lost_contact = self.apply_event(event, mode)
+            events_at_phase = events_at_phase + 1 if reached == stretch.start else 0
+            if events_at_phase > 20:  # round in a circle at one phase
                 raise FailedError
         raise FailedError
 
@@ -303,12 +312,15 @@ class Part:
         else:
             raise FailedError
         if slips:
-            first, last = abs(float(values(stretch.size, 0.0))), abs(float(stretch.size.sum()))
-            grows = last / first if first > 0.0 and not begins else 1.0
-            self.reach = length * growth_limit * min(3.0, max(0.1, grows))
+            first_size, last_size = (
+                abs(float(values(stretch.size, 0.0))),
+                abs(float(stretch.size.sum())),
+            )
+            size_ratio = last_size / first_size if first_size > 0.0 and not begins else 1.0
+            self.reach = length * growth_limit * min(3.0, max(0.1, size_ratio))
         return stretch
 
-    def close(self, mode: Mode, end: float) -> bool:
+    def stop_straight(self, mode: Mode, end: float) -> bool:
         """Follow a turning, nearly zero slip along a straight line to its stop; True if it did.
 
         The stop must lie before phase `end` in rad. Only if friction takes more than the push:
@@ -321,22 +333,22 @@ class Part:
         limit = self.care.closing if self.laws.contacts.rolling == 0.0 else 1e-5 * self.care.closing
         if not 0.0 < size < limit:
             return False
-        push, across, slide, _ = self.laws.impending(self.phase, mode)
-        if math.hypot(push, across / self.laws.response) > 0.999 * slide:
+        push, across, kinetic_friction, _ = self.laws.impending(self.phase, mode)
+        if math.hypot(push, across / self.laws.response) > 0.999 * kinetic_friction:
             return False
-        pull = self.laws.sliding(self.phase, mode, size, math.atan2(second, first))[0]
+        rate = self.laws.sliding(self.phase, mode, size, math.atan2(second, first))[0]
         longest = min(1e-3, end - self.phase)
-        if -float(pull) * longest <= size:
+        if -float(rate) * longest <= size:
             return False
-        lasts = -size / float(pull)
-        before = self.state.copy()
+        duration = -size / float(rate)
+        state_before = self.state.copy()
         self.stop(mode)
-        self.state[:UX] += 0.5 * lasts * (before[UX:SPIN] + self.state[UX:SPIN])
+        self.state[:UX] += 0.5 * duration * (state_before[UX:SPIN] + self.state[UX:SPIN])
         self.state[Y] = max(0.0, self.state[Y]) if self.laws.contacts.wall else self.state[Y]
         self.state[Z] = max(0.0, self.state[Z])
-        self.phase += lasts
+        self.phase += duration
         self.tally.events.append("stop")
-        self.count(mode, float(before[UX]), lasts)
+        self.tally_phase(mode, float(state_before[UX]), duration)
         return True
 
     def impact(self, floor: bool, wall: bool) -> None:
@@ -347,107 +359,121 @@ class Part:
         13.1). Contacts without velocity off them carry the part afterwards. Raises `FailedError` if
         500 rounds do not suffice.
         """
-        p, rolling, s = self.laws.groups, self.laws.contacts.rolling, self.state
-        _, dy, dz = self.laws.free(self.phase, float(s[UX]))
+        groups, rolling, state = self.laws.groups, self.laws.contacts.rolling, self.state
+        _, free_y, free_z = self.laws.free(self.phase, float(state[UX]))
         target_z = (
-            self.falling(-float(s[UZ]), p.impact_damping, -float(dz))
-            if p.impact_damping > 0.0
-            else self.rebound(-float(s[UZ]), p.restitution, -float(dz))
+            self.soft_rebound(-float(state[UZ]), groups.impact_damping, -float(free_z))
+            if groups.impact_damping > 0.0
+            else self.rebound(-float(state[UZ]), groups.restitution, -float(free_z))
         )
-        target_y = self.rebound(-float(s[UY]), p.wall_restitution, -float(dy))
-        normal = side = fx = fy = wx = wz = 0.0
+        target_y = self.rebound(-float(state[UY]), groups.wall_restitution, -float(free_y))
+        floor_impulse = wall_impulse = floor_x = floor_y = wall_x = wall_z = 0.0
         for _ in range(500):
-            before = (normal, side, fx, fy, wx, wz)
+            impulses_before = (floor_impulse, wall_impulse, floor_x, floor_y, wall_x, wall_z)
             if floor:
-                new = max(0.0, normal - (s[UZ] - target_z))
-                s[UZ] += new - normal
-                normal = new
+                new_impulse = max(0.0, floor_impulse - (state[UZ] - target_z))
+                state[UZ] += new_impulse - floor_impulse
+                floor_impulse = new_impulse
             if wall:
-                new = max(0.0, side - (s[UY] - target_y))
-                s[UY] += new - side
-                side = new
+                new_impulse = max(0.0, wall_impulse - (state[UY] - target_y))
+                state[UY] += new_impulse - wall_impulse
+                wall_impulse = new_impulse
             if floor:
-                gx, gy = self.laws.stopping(
-                    s[UX] - fx,
-                    s[UY] + s[SPIN] - self.laws.response * fy,
-                    p.friction_kinetic * normal,
+                new_x, new_y = self.laws.stopping(
+                    state[UX] - floor_x,
+                    state[UY] + state[SPIN] - self.laws.response * floor_y,
+                    groups.friction_kinetic * floor_impulse,
                 )
-                s[UX] += gx - fx
-                s[UY] += gy - fy
-                s[SPIN] += rolling * (gy - fy)
-                fx, fy = gx, gy
+                state[UX] += new_x - floor_x
+                state[UY] += new_y - floor_y
+                state[SPIN] += rolling * (new_y - floor_y)
+                floor_x, floor_y = new_x, new_y
             if wall:
-                gx, gz = self.laws.stopping(
-                    s[UX] - wx, s[UZ] - s[SPIN] - self.laws.response * wz, p.wall_friction * side
+                new_x, new_z = self.laws.stopping(
+                    state[UX] - wall_x,
+                    state[UZ] - state[SPIN] - self.laws.response * wall_z,
+                    groups.wall_friction * wall_impulse,
                 )
-                s[UX] += gx - wx
-                s[UZ] += gz - wz
-                s[SPIN] -= rolling * (gz - wz)
-                wx, wz = gx, gz
-            after = (normal, side, fx, fy, wx, wz)
-            if max(abs(a - b) for a, b in zip(after, before, strict=True)) < 1e-15:
+                state[UX] += new_x - wall_x
+                state[UZ] += new_z - wall_z
+                state[SPIN] -= rolling * (new_z - wall_z)
+                wall_x, wall_z = new_x, new_z
+            impulses = (floor_impulse, wall_impulse, floor_x, floor_y, wall_x, wall_z)
+            if (
+                max(
+                    abs(impulse - previous)
+                    for impulse, previous in zip(impulses, impulses_before, strict=True)
+                )
+                < 1e-15
+            ):
                 break
         else:
             raise FailedError
         if floor:
-            self.on_floor = abs(s[UZ]) <= STOPPED
-            s[UZ] = 0.0 if self.on_floor else s[UZ]
+            self.on_floor = abs(state[UZ]) <= STOPPED
+            state[UZ] = 0.0 if self.on_floor else state[UZ]
         if wall:
-            self.on_wall = abs(s[UY]) <= STOPPED
-            s[UY] = 0.0 if self.on_wall else s[UY]
+            self.on_wall = abs(state[UY]) <= STOPPED
+            state[UY] = 0.0 if self.on_wall else state[UY]
 
-    def rebound(self, approach: float, restitution: float, press: float) -> float:
+    def rebound(self, approach: float, restitution: float, load: float) -> float:
         """Return the speed of a part after an impact in g/w; 0 if a run of hops ends here.
 
-        `approach` is the speed before (w = 2 pi f), `restitution` eps, `press` the acceleration in
+        `approach` is the speed before (w = 2 pi f), `restitution` eps, `load` the acceleration in
         g that presses the part onto the contact. Hops that last less than the settings resolve are
         left out: their run ends with an impact without rebound, with which the impulses add up
         exactly (theory 13.5).
         """
         speed = restitution * approach
-        if restitution < 1.0 and press > 0.0:
-            lasts = 2.0 * speed / (press * (1.0 - restitution))
-            steady = 1e3 * self.laws.drive.steepest * lasts < press
-            if speed * lasts < self.care.hop and steady and self.phase + lasts < self.until:
+        if restitution < 1.0 and load > 0.0:
+            hop_time = 2.0 * speed / (load * (1.0 - restitution))
+            is_steady = 1e3 * self.laws.drive.steepest * hop_time < load
+            if (
+                speed * hop_time < self.care.hop
+                and is_steady
+                and self.phase + hop_time < self.until
+            ):
                 return 0.0
         return speed if speed > STOPPED else 0.0
 
-    def falling(self, approach: float, damping: float, press: float) -> float:
+    def soft_rebound(self, approach: float, damping: float, load: float) -> float:
         """Return the speed after an impact whose restitution falls with speed; 0 if tiny.
 
         `approach` is the speed before in g/w (w = 2 pi f), `damping` b that of a Hunt-Crossley
-        contact, `press` the load n in g. Such hops never end by themselves: their speed falls as
+        contact, `load` the load n in g. Such hops never end by themselves: their speed falls as
         exp(-b n t/3), and what is left is taken as a contact (theory 18.3).
         """
         speed = approach * float(soft_contact.hunt_crossley(np.asarray(damping * approach)))
-        if press > 0.0 and 3.0 * speed / (damping * press) < SOFT_HOP:
+        if load > 0.0 and 3.0 * speed / (damping * load) < SOFT_HOP:
             return 0.0
         return speed if speed > STOPPED else 0.0
 
     # --- counting
 
-    def note(self, mode: Mode, stretch: Stretch, at: float) -> None:
-        """Add a stretch of motion, up to a point `at` from 0 to 1, to the sums of the period."""
-        tally, duration = self.tally, at * stretch.length
+    def tally_stretch(self, mode: Mode, stretch: Stretch, end_point: float) -> None:
+        """Add a stretch of motion, up to `end_point` from 0 to 1, to the sums of the period."""
+        tally, duration = self.tally, end_point * stretch.length
         if self.laws.contacts.wall:
             y = stretch.states[Y]
             tally.nearest = min(tally.nearest, float(y[0] - np.abs(y[1:]).sum()))
             tally.at_wall = tally.at_wall or self.on_wall
         if not mode.floor:
             tally.flight += duration
-            tops = [top for top, sense in crossings(stretch.states[UZ]) if sense < 0 and top < at]
-            for point in (*tops, at):
+            tops = [
+                top for top, sense in crossings(stretch.states[UZ]) if sense < 0 and top < end_point
+            ]
+            for point in (*tops, end_point):
                 tally.hop_height = max(tally.hop_height, float(stretch.state(point)[Z]))
         elif not mode.slips:
             tally.stick += duration
         else:
-            turns = [turn for turn, _ in crossings(stretch.states[UX]) if turn < at]
-            for low, high in zip([0.0, *turns], [*turns, at], strict=True):
+            turns = [turn for turn, _ in crossings(stretch.states[UX]) if turn < end_point]
+            for low, high in zip([0.0, *turns], [*turns, end_point], strict=True):
                 middle = float(stretch.state(0.5 * (low + high))[UX])
-                self.count(mode, middle, (high - low) * stretch.length)
+                self.tally_phase(mode, middle, (high - low) * stretch.length)
 
-    def count(self, mode: Mode, ux: float, duration: float) -> None:
+    def tally_phase(self, mode: Mode, ux: float, duration: float) -> None:
         """Add a duration in rad to the sums of a period, by contacts and velocity along."""
-        way = "forward" if ux > STOPPED else "backward" if ux < -STOPPED else "stick"
-        way = way if mode.floor else "flight"
-        setattr(self.tally, way, getattr(self.tally, way) + duration)
+        mode_name = "forward" if ux > STOPPED else "backward" if ux < -STOPPED else "stick"
+        mode_name = mode_name if mode.floor else "flight"
+        setattr(self.tally, mode_name, getattr(self.tally, mode_name) + duration)

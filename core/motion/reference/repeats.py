@@ -95,8 +95,8 @@ class Growth:
 
         Shape (n,); for changes that are added to the state anew in each round.
         """
-        left = np.eye(len(self.indices)) - self.map.T
-        return np.asarray(np.linalg.solve(left, self.travel), np.float64)
+        one_minus_map = np.eye(len(self.indices)) - self.map.T
+        return np.asarray(np.linalg.solve(one_minus_map, self.travel), np.float64)
 
 
 class ReferenceRun:
@@ -117,8 +117,10 @@ class ReferenceRun:
     def __init__(self, laws: ReferenceLaws, watch: Watch) -> None:
         self.laws, self.watch = laws, watch
         self.part = Part(laws, np.zeros(7), watch=watch)
-        p = laws.groups
-        self.scale = (math.hypot(*p.drive) if p.wave is None else float(size(p.wave))) or 1.0
+        groups = laws.groups
+        self.scale = (
+            math.hypot(*groups.drive) if groups.wave is None else float(size(groups.wave))
+        ) or 1.0
         self.before: list[Array] = []
         self.after: list[Array] = []
         self.flags: list[tuple[bool, bool]] = []
@@ -169,10 +171,12 @@ class ReferenceRun:
         if self.laws.contacts.rolling:
             indices.append(SPIN)
         return (
-            indices if self.at_large(multiple) and self.nearing(multiple) <= 0.0 else [*indices, Y]
+            indices
+            if self.is_off_wall(multiple) and self.nearing(multiple) <= 0.0
+            else [*indices, Y]
         )
 
-    def at_large(self, multiple: int) -> bool:
+    def is_off_wall(self, multiple: int) -> bool:
         """True if the last `multiple` periods did not touch the wall."""
         return not any(tally.at_wall for tally in self.tallies[-multiple:])
 
@@ -186,7 +190,7 @@ class ReferenceRun:
 
     def drifts(self, periods: int) -> bool:
         """True if the part has approached the wall, without touching it, for so many periods."""
-        return self.laws.contacts.wall and self.at_large(periods) and self.nearing(1) > 0.0
+        return self.laws.contacts.wall and self.is_off_wall(periods) and self.nearing(1) > 0.0
 
     def comparable(self, state: Array) -> Array:
         """Return a state in the form in which two states are compared, to see if a motion repeats.
@@ -210,8 +214,8 @@ class ReferenceRun:
         first = last - multiple
         if first < self.plain_since:
             return math.inf
-        off = self.comparable(self.after[last - 1]) - self.comparable(self.before[first])
-        return float(np.abs(off[indices]).max()) / self.scale
+        change = self.comparable(self.after[last - 1]) - self.comparable(self.before[first])
+        return float(np.abs(change[indices]).max()) / self.scale
 
     def touches_alike(self, multiple: int) -> bool:
         """True if the same contacts touch at both ends of the last `multiple` periods."""
@@ -225,14 +229,17 @@ class ReferenceRun:
         """
         for multiple in range(1, min(MAX_MULTIPLE, len(self.after) - self.plain_since) + 1):
             indices = self.indices(multiple)
-            apart = self.distance(multiple, indices)
-            if apart > NOISE or not self.touches_alike(multiple):
+            distance = self.distance(multiple, indices)
+            if distance > NOISE or not self.touches_alike(multiple):
                 continue
-            if apart > SAME and apart < SLOWEST * self.distance(multiple, indices, back=multiple):
+            if distance > SAME and distance < SLOWEST * self.distance(
+                multiple, indices, back=multiple
+            ):
                 return 0  # still on its way: not to be told as a multiple of what it is
-            divisors = (one for one in range(1, multiple) if multiple % one == 0)
+            divisors = (divisor for divisor in range(1, multiple) if multiple % divisor == 0)
             nearest = min(
-                (self.distance(one, self.indices(one)) for one in divisors), default=math.inf
+                (self.distance(divisor, self.indices(divisor)) for divisor in divisors),
+                default=math.inf,
             )
             return 0 if nearest < DISTINCT else multiple
         return 0
@@ -251,20 +258,22 @@ class ReferenceRun:
             if last[multiple:] != last[:-multiple]:
                 continue
             indices = self.indices(multiple)
-            apart = [self.distance(multiple, indices, back) for back in range(quarter - multiple)]
-            nears = all(new < old for new, old in itertools.pairwise(apart))
-            leaves = all(new > old for new, old in itertools.pairwise(apart))
-            return nears or leaves
+            distances = [
+                self.distance(multiple, indices, back) for back in range(quarter - multiple)
+            ]
+            comes_nearer = all(new < old for new, old in itertools.pairwise(distances))
+            goes_away = all(new > old for new, old in itertools.pairwise(distances))
+            return comes_nearer or goes_away
         return False
 
     # --- looking ahead
 
-    def hasten(self) -> None:
+    def approach_cycle(self) -> None:
         """Move the state nearer to where the motion repeats, if it slowly approaches that.
 
-        By a step of Newton's method (`look`) or, for a part on its way to the wall whose motion
-        repeats otherwise, by skipping cycles (`drift`). Only if the last two cycles had the same
-        events.
+        By a step of Newton's method (`newton_step`) or, for a part on its way to the wall whose
+        motion repeats otherwise, by skipping cycles (`skip_cycles`). Only if the last two cycles
+        had the same events.
         """
         if len(self.after) < self.look_at or self.slides_free:
             return
@@ -273,31 +282,31 @@ class ReferenceRun:
             if not self.touches_alike(multiple) or events[multiple:] != events[:multiple]:
                 continue
             indices = self.indices(multiple)
-            if Y in indices and self.at_large(multiple):  # on its way to the wall
+            if Y in indices and self.is_off_wall(multiple):  # on its way to the wall
                 indices.remove(Y)
                 if self.distance(multiple, indices) < SAME:
-                    self.drift(multiple)
+                    self.skip_cycles(multiple)
                     return
-            apart = self.distance(multiple, indices)
+            distance = self.distance(multiple, indices)
             earlier = self.distance(multiple, indices, back=multiple)
-            if SAME < apart < min(NEAR, SLOWEST * earlier):
-                if apart > 0.01 * earlier:  # else it is there soon without
-                    self.look(multiple)
+            if SAME < distance < min(NEAR, SLOWEST * earlier):
+                if distance > 0.01 * earlier:  # else it is there soon without
+                    self.newton_step(multiple)
                 return
 
-    def drift(self, multiple: int) -> None:
+    def skip_cycles(self, multiple: int) -> None:
         """Skip cycles of a part on its way to the wall whose motion repeats otherwise.
 
         Each cycle of `multiple` periods brings it nearer to the wall by the same distance: the
         state is moved by as many of them as leave it short of the wall.
         """
         nearing = self.nearing(multiple)
-        cycles = math.floor(min(one.nearest for one in self.tallies[-multiple:]) / nearing) - 1
+        cycles = math.floor(min(tally.nearest for tally in self.tallies[-multiple:]) / nearing) - 1
         if cycles > 0:
             self.part.state[Y] -= cycles * nearing
             self.plain_since = len(self.after)
 
-    def look(self, multiple: int) -> None:
+    def newton_step(self, multiple: int) -> None:
         """Take one step of Newton's method towards the state with which the motion repeats.
 
         The cycle has `multiple` periods. The step is kept if the cycle attracts and, followed from
@@ -308,29 +317,31 @@ class ReferenceRun:
             return
         self.looks += 1
         self.look_at = len(self.after) + 2 * multiple
-        growth = self.measured(multiple)
+        growth = self.measured_growth(multiple)
         start = self.part.state
         if growth.attracts:
-            off = self.comparable(self.after[-1]) - self.comparable(self.before[-multiple])
+            change = self.comparable(self.after[-1]) - self.comparable(self.before[-multiple])
             state = start.copy()
             # The shift of the cycle is (1 - M)^-1 times the change, with the map M.
-            left = np.eye(len(growth.indices)) - growth.map
-            state[growth.indices] += np.linalg.solve(left, growth.map @ off[growth.indices])
-            if self.comes_back(state, multiple, growth.indices, 0.5 * np.abs(off)):
+            one_minus_map = np.eye(len(growth.indices)) - growth.map
+            state[growth.indices] += np.linalg.solve(
+                one_minus_map, growth.map @ change[growth.indices]
+            )
+            if self.comes_back(state, multiple, growth.indices, 0.5 * np.abs(change)):
                 self.part.state, self.plain_since = state, len(self.after)
                 return
         self.look_at += min(16, 2**self.looks)
 
     def affords(self, multiple: int) -> bool:
-        """True if a look at a cycle of `multiple` periods is worth its cost; then counts it.
+        """True if measuring a cycle of `multiple` periods is worth its cost; then counts it.
 
-        A look follows the cycle again for each number of the state, and once more. Looks may take
-        as many periods as were followed, and 20 more.
+        That follows the cycle again for each number of the state, and once more. It may take as
+        many periods in all as were followed, and 20 more.
         """
-        takes = multiple * (len(self.indices(multiple)) + 1)
-        if self.looked + takes > len(self.after) + LOOKS:
+        cost = multiple * (len(self.indices(multiple)) + 1)
+        if self.looked + cost > len(self.after) + LOOKS:
             return False
-        self.looked += takes
+        self.looked += cost
         return True
 
     def comes_back(self, state: Array, multiple: int, indices: list[int], within: Array) -> bool:
@@ -344,13 +355,17 @@ class ReferenceRun:
         if state[Z] < 0.0 or (self.laws.contacts.wall and state[Y] < 0.0):
             return False
         try:
-            part = self.followed(state, self.flags[-multiple], multiple, USUAL)
+            part = self.part_after_cycle(state, self.flags[-multiple], multiple, USUAL)
         except FailedError:
             return False
-        off = np.abs(self.comparable(part.state) - self.comparable(state))
-        return float(off[indices].max(initial=0.0)) <= float(within[indices].max(initial=0.0))
+        difference = np.abs(self.comparable(part.state) - self.comparable(state))
+        return float(difference[indices].max(initial=0.0)) <= float(
+            within[indices].max(initial=0.0)
+        )
 
-    def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
+    def part_after_cycle(
+        self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care
+    ) -> Part:
         """Return the part after one cycle of `multiple` periods that starts from a given state.
 
         `state` has 7 numbers, `flags` say if floor and wall touch at the start, `care` holds the
@@ -364,7 +379,7 @@ class ReferenceRun:
             part.advance(PERIOD)
         return part
 
-    def measured(self, multiple: int) -> Growth:
+    def measured_growth(self, multiple: int) -> Growth:
         """Return the map of small changes of the state from the start of the last cycle to its end.
 
         The map M of changes over `multiple` periods, measured by following each change through
@@ -372,9 +387,10 @@ class ReferenceRun:
         column that failed.
         """
         start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
+        # A part on floor or wall stays there, and nothing moves one across that nothing pushes.
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
-        p = self.laws.groups
-        if not (p.drive_number_across or p.gravity_number_across):
+        groups = self.laws.groups
+        if not (groups.drive_number_across or groups.gravity_number_across):
             fixed += [Y, UY]
         indices = [index for index in self.indices(multiple) if index not in fixed]
         growth = np.zeros((len(indices), len(indices)))
@@ -383,7 +399,7 @@ class ReferenceRun:
             state, size = start.copy(), CHANGE * self.scale
             state[index] += size
             try:
-                part = self.followed(state, flags, multiple, USUAL)
+                part = self.part_after_cycle(state, flags, multiple, USUAL)
             except FailedError:
                 growth[:, column] = math.nan
                 continue
@@ -405,26 +421,26 @@ class ReferenceRun:
         """
         if self.refused and not self.affords(multiple):
             return math.nan, math.inf
-        growth = self.measured(multiple)
+        growth = self.measured_growth(multiple)
         if not (growth.attracts or self.slides_free):
             self.refused += 1
             self.lingers = self.lingers or growth.radius < 2.0
             return math.nan, math.inf
         start, flags = self.before[-multiple], self.flags[-multiple]
         end = self.comparable(self.after[-1])
-        finer = self.comparable(self.followed(start, flags, multiple, FINER).state)
-        left = (end - self.comparable(start))[growth.indices]
+        finer = self.comparable(self.part_after_cycle(start, flags, multiple, FINER).state)
+        transient = (end - self.comparable(start))[growth.indices]
         shift = (finer - end)[growth.indices]
         # Without friction nothing dies out: what went wrong in every period so far stays.
         weights = growth.travel * len(self.after) if self.slides_free else growth.weights()
-        moved = 0.0 if self.slides_free else float(weights @ (left + shift))
+        travel_shift = 0.0 if self.slides_free else float(weights @ (transient + shift))
         events = sum(len(tally.events) for tally in self.tallies[-multiple:]) + 2 * multiple
         rounding = ROUNDING * self.scale * events
-        off = (
-            abs(float(weights @ left))
+        error = (
+            abs(float(weights @ transient))
             + abs(float(finer[X] - end[X]))
             + float(np.abs(weights) @ np.abs(shift))
             + rounding * (PERIOD * multiple + float(np.abs(weights).sum()))
         )
-        travel = float(finer[X] - start[X]) + moved
-        return travel / (PERIOD * multiple), SAFE * off / (PERIOD * multiple)
+        travel = float(finer[X] - start[X]) + travel_shift
+        return travel / (PERIOD * multiple), SAFE * error / (PERIOD * multiple)

@@ -87,12 +87,12 @@ MEAN_TWICE = _FROM_POINTS @ np.tensordot(_WEIGHTS * (1.0 - _QUADRATURE), _SCALED
 """Coefficients of f to those of the integral of its integral, over s^2."""
 
 
-def values(coefficients: Array, at: float) -> Array:
+def values(coefficients: Array, point: float) -> Array:
     """Return the values of one or several polynomials at a point from 0 to 1.
 
     `coefficients` are those of Chebyshev polynomials, shape (..., TERMS).
     """
-    angle = math.acos(min(1.0, max(-1.0, 2.0 * at - 1.0)))
+    angle = math.acos(min(1.0, max(-1.0, 2.0 * point - 1.0)))
     return coefficients @ np.cos(angle * _DEGREES)
 
 
@@ -104,43 +104,50 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
     together), or that its derivative does: then the signs at the ends tell of the one root. Only a
     pair of roots can be missed between which the polynomial is 0 up to rounding.
     """
-    above: bool | None = None
+    was_positive: bool | None = None
     stack = [(0.0, 1.0, coefficients)]
     while stack:
-        start, width, c = stack.pop()
-        first, others = float(c[0]), float(np.abs(c[1:]).sum())
-        if abs(first) + others < NOISE:
+        start, width, series = stack.pop()
+        first, other_terms = float(series[0]), float(np.abs(series[1:]).sum())
+        if abs(first) + other_terms < NOISE:
             continue
-        if abs(first) > others:
-            if above is not None and above != (first > 0.0):
+        if abs(first) > other_terms:
+            if was_positive is not None and was_positive != (first > 0.0):
                 yield start, 1 if first > 0.0 else -1
-            above = first > 0.0
+            was_positive = first > 0.0
             continue
-        slope = SLOPE @ c
+        slope = SLOPE @ series
         monotone = abs(slope[0]) > np.abs(slope[1:]).sum()
         if not monotone and width > NARROWEST:
             stack += [
-                (start + 0.5 * width, 0.5 * width, HALVES[1] @ c),
-                (start, 0.5 * width, HALVES[0] @ c),
+                (start + 0.5 * width, 0.5 * width, HALVES[1] @ series),
+                (start, 0.5 * width, HALVES[0] @ series),
             ]
             continue
-        low, high = float(c[::2].sum() - c[1::2].sum()), float(c.sum())
-        if low != 0.0:
-            if above is not None and above != (low > 0.0):
-                yield start, 1 if low > 0.0 else -1
-            above = low > 0.0
-        if high == 0.0:
+        value_at_start, value_at_end = (
+            float(series[::2].sum() - series[1::2].sum()),
+            float(series.sum()),
+        )
+        if value_at_start != 0.0:
+            if was_positive is not None and was_positive != (value_at_start > 0.0):
+                yield start, 1 if value_at_start > 0.0 else -1
+            was_positive = value_at_start > 0.0
+        if value_at_end == 0.0:
             continue
-        rises = high > 0.0
-        if above is not None and above != rises:
-            at = start + width * _root(c, slope, low, high) if low * high < 0.0 else start
-            yield at, 1 if rises else -1
-        above = rises
+        is_positive = value_at_end > 0.0
+        if was_positive is not None and was_positive != is_positive:
+            root = (
+                start + width * _root(series, slope, value_at_start, value_at_end)
+                if value_at_start * value_at_end < 0.0
+                else start
+            )
+            yield root, 1 if is_positive else -1
+        was_positive = is_positive
 
 
 def first_fall(coefficients: Array) -> float:
     """Return the first point, from 0 to 1, at which a polynomial falls through 0; else infinity."""
-    return next((at for at, sense in crossings(coefficients) if sense < 0), math.inf)
+    return next((root for root, sense in crossings(coefficients) if sense < 0), math.inf)
 
 
 def fall_from_start(condition: Array) -> float:
@@ -149,28 +156,28 @@ def fall_from_start(condition: Array) -> float:
     `condition` holds Chebyshev coefficients over a stretch. One that is 0 at the start but for
     rounding, and below it at the end, has fallen at the start.
     """
-    at = first_fall(condition)
-    return 0.0 if at > 1.0 and condition.sum() < -GRAZES else at
+    root = first_fall(condition)
+    return 0.0 if root > 1.0 and condition.sum() < -GRAZES else root
 
 
-def _root(c: Array, slope: Array, low: float, high: float) -> float:
+def _root(series: Array, slope: Array, value_at_0: float, value_at_1: float) -> float:
     # The root between 0 and 1 of a Chebyshev series, its values there `low` and `high`, of opposite
     # sign: Newton's method, and bisection where a step leaves the bracket.
-    left, right = 0.0, 1.0
-    at = low / (low - high)
+    low, high = 0.0, 1.0
+    point = value_at_0 / (value_at_0 - value_at_1)
     for _ in range(100):
-        value = float(values(c, at))
-        if (value > 0.0) == (low > 0.0):
-            left = at
+        value = float(values(series, point))
+        if (value > 0.0) == (value_at_0 > 0.0):
+            low = point
         else:
-            right = at
-        new = at - value / float(values(slope, at))
-        if not left < new < right:
-            new = 0.5 * (left + right)
-        if abs(new - at) <= 1e-16 or value == 0.0:
-            return new if value else at
-        at = new
-    return at
+            high = point
+        next_point = point - value / float(values(slope, point))
+        if not low < next_point < high:
+            next_point = 0.5 * (low + high)
+        if abs(next_point - point) <= 1e-16 or value == 0.0:
+            return next_point if value else point
+        point = next_point
+    return point
 
 
 # --- the equation on a stretch
@@ -320,25 +327,27 @@ def solve(
 def _slip(
     laws: ReferenceLaws, mode: Mode, state: Array, phases: Array, length: float, begins: bool
 ) -> Slip | None:
+    # The slip at the nodes: along a straight line where its direction does not change, else with
+    # first guesses of its rate and turning for `_turning`. None if no iteration converges.
     first, second = laws.slip(mode, state)
     size = math.hypot(first, second)
     if begins:
         first, second = laws.onset_direction(phases[0] - length * AT[0], mode)
     angle = math.atan2(second, first)
-    pull, turn = laws.sliding(phases, mode, np.full(NODES, size), angle)
+    pull, turning = laws.sliding(phases, mode, np.full(NODES, size), angle)
     pull = pull + np.zeros(NODES)
-    if np.abs(turn).max() < STRAIGHT:
+    if np.abs(turning).max() < STRAIGHT:
         return _straight(laws, mode, phases, length, (size, angle), pull)
     if begins:  # it follows the push
-        ahead = [laws.onset_direction(phase, mode) for phase in phases.tolist()]
-        off = np.array([
-            math.remainder(math.atan2(b, a) - angle, 2.0 * math.pi) for a, b in ahead
+        directions = [laws.onset_direction(phase, mode) for phase in phases.tolist()]
+        angle_changes = np.array([
+            math.remainder(math.atan2(b, a) - angle, 2.0 * math.pi) for a, b in directions
         ])  # fmt: skip
-        angular = NODES_SLOPE @ off / length
-        pull = laws.sliding(phases, mode, np.zeros(NODES), angle + off)[0]
+        angle_rate = NODES_SLOPE @ angle_changes / length
+        pull = laws.sliding(phases, mode, np.zeros(NODES), angle + angle_changes)[0]
     else:
-        angular = np.clip(turn / size, -0.5 / length, 0.5 / length)
-    return _turning(laws, mode, phases, length, (size, angle), pull, angular)
+        angle_rate = np.clip(turning / size, -0.5 / length, 0.5 / length)
+    return _turning(laws, mode, phases, length, (size, angle), pull, angle_rate)
 
 
 def _straight(
@@ -349,24 +358,28 @@ def _straight(
     start: tuple[float, float],
     rate: Array,
 ) -> Slip | None:
-    size0, angle = start
-    reach = length * NODES_INTEGRAL
-    size = size0 + reach @ rate
+    # A slip of constant direction: size' = pull(size) at the nodes by Newton's method, size =
+    # first_size + integral of the rate. None if it does not converge.
+    first_size, angle = start
+    integral = length * NODES_INTEGRAL
+    size = first_size + integral @ rate
     for _ in range(MAX_STEPS):
         if laws.groups.curvature_number == 0.0:  # the forces do not depend on the speed
             break
         pull, _ = laws.sliding(phases, mode, np.stack([size, size + SMALL]), angle)
         slope = (pull[1] - pull[0]) / SMALL
-        step = np.linalg.solve(np.eye(NODES) - slope[:, None] * reach, rate - pull[0])
+        step = np.linalg.solve(np.eye(NODES) - slope[:, None] * integral, rate - pull[0])
         rate = rate - step
-        size = size0 + reach @ rate
+        size = first_size + integral @ rate
         if length * np.abs(step).max() < ROOT_TOLERANCE:
             break
     else:
         return None
-    e = math.cos(angle), math.sin(angle)
-    e = (math.copysign(1.0, e[0]), 0.0) if abs(e[1]) < STRAIGHT else e
-    return Slip(size, rate, e, length * float(np.abs(LAST @ rate).max()))
+    direction = math.cos(angle), math.sin(angle)
+    direction = (
+        (math.copysign(1.0, direction[0]), 0.0) if abs(direction[1]) < STRAIGHT else direction
+    )
+    return Slip(size, rate, direction, length * float(np.abs(LAST @ rate).max()))
 
 
 def _turning(
@@ -376,30 +389,32 @@ def _turning(
     length: float,
     start: tuple[float, float],
     rate: Array,
-    angular: Array,
+    angle_rate: Array,
 ) -> Slip | None:
-    size0, angle0 = start
-    reach = length * NODES_INTEGRAL
+    # Newton's method for rate and angle_rate at all nodes at once: residuals rate - pull and size
+    # angle_rate - turn, whose Jacobian has a block for each. None if it does not converge.
+    first_size, first_angle = start
+    integral = length * NODES_INTEGRAL
     jacobian = np.zeros((2 * NODES, 2 * NODES))
     for _ in range(MAX_STEPS):
-        size, angle = size0 + reach @ rate, angle0 + reach @ angular
+        size, angle = first_size + integral @ rate, first_angle + integral @ angle_rate
         pull, turn = laws.sliding(
             phases,
             mode,
             np.array([size, size + SMALL, size]),
             np.array([angle, angle, angle + SMALL]),
         )
-        pulls, turns = (pull[1:] - pull[0]) / SMALL, (turn[1:] - turn[0]) / SMALL
-        jacobian[:NODES, :NODES] = UNIT - pulls[0][:, None] * reach
-        jacobian[:NODES, NODES:] = -pulls[1][:, None] * reach
-        jacobian[NODES:, :NODES] = (angular - turns[0])[:, None] * reach
-        jacobian[NODES:, NODES:] = size[:, None] * UNIT - turns[1][:, None] * reach
-        off = np.concatenate([rate - pull[0], size * angular - turn[0]])
+        pull_slopes, turn_slopes = (pull[1:] - pull[0]) / SMALL, (turn[1:] - turn[0]) / SMALL
+        jacobian[:NODES, :NODES] = UNIT - pull_slopes[0][:, None] * integral
+        jacobian[:NODES, NODES:] = -pull_slopes[1][:, None] * integral
+        jacobian[NODES:, :NODES] = (angle_rate - turn_slopes[0])[:, None] * integral
+        jacobian[NODES:, NODES:] = size[:, None] * UNIT - turn_slopes[1][:, None] * integral
+        residual = np.concatenate([rate - pull[0], size * angle_rate - turn[0]])
         try:
-            step = np.linalg.solve(jacobian, off)
+            step = np.linalg.solve(jacobian, residual)
         except np.linalg.LinAlgError:
             return None
-        rate, angular = rate - step[:NODES], angular - step[NODES:]
+        rate, angle_rate = rate - step[:NODES], angle_rate - step[NODES:]
         largest = float(np.abs(size).max())
         change = length * (np.abs(step[:NODES]).max() + largest * np.abs(step[NODES:]).max())
         if not change < 1e3:
@@ -408,7 +423,7 @@ def _turning(
             break
     else:
         return None
-    angle = angle0 + reach @ angular
-    last = np.abs(LAST @ rate).max() + largest * np.abs(LAST @ angular).max()
-    e = np.cos(angle), np.sin(angle)
-    return Slip(size0 + reach @ rate, rate, e, length * float(last))
+    angle = first_angle + integral @ angle_rate
+    last_terms = np.abs(LAST @ rate).max() + largest * np.abs(LAST @ angle_rate).max()
+    direction = np.cos(angle), np.sin(angle)
+    return Slip(first_size + integral @ rate, rate, direction, length * float(last_terms))

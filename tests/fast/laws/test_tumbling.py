@@ -14,7 +14,7 @@ from vibrafeed.core.motion.kernels.tumbling.corners import (
     corner_at,
     speed_scale,
 )
-from vibrafeed.core.motion.kernels.tumbling.supports import strike
+from vibrafeed.core.motion.kernels.tumbling.supports import apply_impact
 from vibrafeed.core.motion.method import STATUS
 from vibrafeed.core.motion.tumbling_scene import Body, cylinder, rectangle
 
@@ -143,7 +143,7 @@ def test_an_impact_of_a_corner_is_that_of_the_impact_scenes(shape):
         state[3:6] = draw([-1, -1, -50], [1, 1, 50])
         u_n, u_t = state[4] - rho * state[5] * c, state[3] - rho * state[5] * s
         before = state.copy()
-        struck = strike(cell, state, after)
+        struck = apply_impact(cell, state, after)
         assert struck == (u_n < -SLOW * speed_scale(cell))
         if not struck:
             continue

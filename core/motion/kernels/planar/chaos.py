@@ -19,14 +19,14 @@ from vibrafeed.core.motion.kernels.constants import (
 )
 from vibrafeed.core.motion.kernels.inputs import Cell, Floats, Stop
 from vibrafeed.core.motion.kernels.means import SETTLING, mean_error, scatter
-from vibrafeed.core.motion.kernels.planar.along import after_hops, contact, repeating
+from vibrafeed.core.motion.kernels.planar.along import contact, fill_repeating, slip_after_hops
 from vibrafeed.core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
     find_cycle,
     write_segment,
 )
-from vibrafeed.core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
+from vibrafeed.core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, rounded_to_32_bits
 from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Drive,
     Restitution,
@@ -60,7 +60,7 @@ JOLT = 1e-8
 """Largest take-off speed of a lift-off from rest, in g/w; it grows as roundings do, or more."""
 GOLDEN = 0.6180339887498949  # golden ratio: its multiples modulo 1 never coincide
 COARSER = 1.0 / (KEPT_BITS * EPSILON)
-"""Factor from the error by roundings of `EPSILON` to that by the bits that `kept` leaves out."""
+"""Factor from the error by roundings of `EPSILON` to that beyond 32 bits."""
 
 
 class FollowedRun(NamedTuple):
@@ -85,7 +85,7 @@ class FollowedRun(NamedTuple):
 
 
 @borrowing
-def jolted(number: int, gn: float) -> float:
+def jolt_speed(number: int, gn: float) -> float:
     """Return a tiny take-off speed for the `number`-th lift-off from rest, different for every one.
 
     1e-8 n (0.618 k mod 1) in g/w, with the load number n = `gn` and k = `number`.
@@ -94,64 +94,80 @@ def jolted(number: int, gn: float) -> float:
 
 
 @borrowing
-def share_out(travel: Floats, period: int, begin: float, end: float, distance: float) -> int:
+def distribute_distance(
+    travel: Floats, period: int, begin: float, end: float, distance: float
+) -> int:
     """Share a distance out to the periods in which it was covered; return how many are complete."""
     while period < travel.size and period * TURN < end:
-        over = (period + 1) * TURN
-        inside = min(end, over) - max(begin, period * TURN)
-        travel[period] += distance * inside / (end - begin)
-        if end < over:
+        period_end = (period + 1) * TURN
+        overlap = min(end, period_end) - max(begin, period * TURN)
+        travel[period] += distance * overlap / (end - begin)
+        if end < period_end:
             break
         period += 1
     return period
 
 
 @borrowing
-def slowed(u: float, mu_k: float, speed: float, w: float) -> float:
-    """Return the slip velocity after a landing, where friction takes mu_k (v + w) off its size."""
-    friction = mu_k * (speed + w)
-    return 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
+def slip_after_landing(
+    slip: float, mu_k: float, landing_speed: float, rebound_speed: float
+) -> float:
+    """Return the slip velocity after a landing, which friction lowers by mu_k times both speeds."""
+    friction_impulse = mu_k * (landing_speed + rebound_speed)
+    return (
+        0.0
+        if abs(slip) <= friction_impulse
+        else slip - (friction_impulse if slip > 0 else -friction_impulse)
+    )
 
 
 @compiled
-def flight(
-    drive: Drive, e: Restitution, u: float, w: float, tau: float, span: float
+def flight_and_landing(
+    drive: Drive, restitution: Restitution, slip: float, take_off: float, tau: float, span: float
 ) -> tuple[float, float, float, float, bool]:
     """Return landing speed, rebound, slip and distance of a flight, and True if the part stays."""
-    speed = max(0.0, -rise(drive, w, tau, span)[0])
-    up = rebound(e, speed)[0]
-    u, distance = fly(drive, u, tau, span)
-    stays = rests(drive, (tau + span) % TURN, up, e, SETTLED_ROUGHLY)
-    return speed, up, slowed(u, drive.mu_k, speed, 0.0 if stays else up), distance, stays
+    landing_speed = max(0.0, -rise(drive, take_off, tau, span)[0])
+    rebound_speed = rebound(restitution, landing_speed)[0]
+    slip, distance = fly(drive, slip, tau, span)
+    stays = rests(drive, (tau + span) % TURN, rebound_speed, restitution, SETTLED_ROUGHLY)
+    return (
+        landing_speed,
+        rebound_speed,
+        slip_after_landing(slip, drive.mu_k, landing_speed, 0.0 if stays else rebound_speed),
+        distance,
+        stays,
+    )
 
 
 @borrowing
 def first_flight(
-    run: int, phase: float, drive: Drive, sums: Floats, no_log: Floats
+    number: int, phase: float, drive: Drive, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float, float, bool]:
     """Return the first lift-off of a long run: slip, take-off speed, phase, and time before it."""
-    tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
+    # The last value is True if the part lay on the floor before. Runs start at equal phases; each
+    # further round of them is shifted by the golden ratio.
+    tau = (phase + TURN * (number + GOLDEN * (number // PHASES)) / PHASES) % TURN
     if load(drive, tau) > 0.0:
-        u, tau, span = stay(drive, tau, 0.0, sums, no_log)
-        return u, jolted(run, drive.gn), tau, span, True
+        slip, tau, span = contact_to_lift_off(drive, tau, 0.0, sums, no_log)
+        return slip, jolt_speed(number, drive.gravity_normal), tau, span, True
     return 0.0, 0.0, tau, 0.0, False
 
 
 @borrowing
-def stay(
-    drive: Drive, tau: float, u: float, sums: Floats, no_log: Floats
+def contact_to_lift_off(
+    drive: Drive, tau: float, slip: float, sums: Floats, no_log: Floats
 ) -> tuple[float, float, float]:
     """Return slip velocity and phase at lift-off of a part on the floor, and the contact time."""
     span = to_lift_off(drive, tau)
-    u, _, _ = contact(tau, span, u, drive, sums, no_log, 0)
-    return u, lift_off(drive, tau), span
+    slip, _, _ = contact(tau, span, slip, drive, sums, no_log, 0)
+    return slip, lift_off(drive, tau), span
 
 
 @borrowing
-def ran_away(slips_down: bool, gs: float, before: float, u: float, sums: Floats) -> bool:
+def ran_away(slips_down: bool, gs: float, slip_at_begin: float, slip: float, sums: Floats) -> bool:
     """True if a run slid downhill at all landings, gained speed, and never stuck or slid uphill."""
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
-    return slips_down and uphill == 0 and abs(u) > abs(before)
+    return slips_down and uphill == 0 and abs(slip) > abs(slip_at_begin)
 
 
 @borrowing
@@ -164,7 +180,7 @@ def widened(least: float, most: float, velocity: float) -> tuple[float, float]:
 
 @compiled
 def long_run(
-    run: int, phase: float, periods: int, patience: int, drive: Drive, e: Restitution,
+    run: int, phase: float, periods: int, patience: int, drive: Drive, restitution: Restitution,
     travel: Floats, rows: Floats, sums: Floats, stop: Stop,
 ) -> FollowedRun:  # fmt: skip
     """Follow a part for `periods` periods from rest, and return sums and extremes of its motion.
@@ -173,79 +189,102 @@ def long_run(
     is over all ways that the part may take. If it falls into a cycle of hops, `rows` start with
     that.
     """
-    gs, gn, mu_k = drive.gs, drive.gn, drive.mu_k
+    gravity_along, gravity_normal, mu_k = drive.gravity_along, drive.gravity_normal, drive.mu_k
     no_log = np.empty((0, len(PIECE)))
-    settling = periods * SETTLING * TURN
-    hops = HOPS_PER_PERIOD * periods + FIRST_LOOK
-    total, began, impacts, fastest, highest = 0.0, math.inf, 0, 0.0, 0.0
-    settling_hops = int(hops * SETTLING)
+    settling_phase = periods * SETTLING * TURN
+    max_hops = HOPS_PER_PERIOD * periods + FIRST_LOOK
+    elapsed, begin, impacts, fastest, highest = 0.0, math.inf, 0, 0.0, 0.0
+    settling_hops = int(max_hops * SETTLING)
     sums[:], travel[:] = 0.0, 0.0
-    complete = 0
-    u_began, slips_down = 0.0, mu_k * gn < abs(gs)
-    count, look_at, jolt = 0, FIRST_LOOK, run
-    dropped, rest_at, rest_time = 0.0, math.nan, 0.0
-    least, most = math.inf, -math.inf
-    u, w, tau, total, lay = first_flight(run, phase, drive, sums, no_log)
-    if lay:
-        rest_at, rest_time = sums[DISTANCE], total
-    for hop in range(hops + patience):
+    complete_periods = 0
+    slip_at_begin, slips_down = 0.0, mu_k * gravity_normal < abs(gravity_along)
+    hops_since_rest, next_search, jolt_number = 0, FIRST_LOOK, run
+    dropped_distance, rest_distance, rest_time = 0.0, math.nan, 0.0
+    least, largest = math.inf, -math.inf
+    slip, take_off, tau, elapsed, began_at_rest = first_flight(run, phase, drive, sums, no_log)
+    if began_at_rest:
+        rest_distance, rest_time = sums[DISTANCE], elapsed
+    for hop in range(max_hops + patience):
         if raised(stop):
             break
-        settled = total >= settling or hop >= settling_hops
-        if settled and began == math.inf:
-            began, impacts, fastest, highest = total, 0, 0.0, 0.0
-            dropped = sums[DISTANCE]
+        has_settled = elapsed >= settling_phase or hop >= settling_hops
+        if has_settled and begin == math.inf:
+            # From here on all is counted.
+            begin, impacts, fastest, highest = elapsed, 0, 0.0, 0.0
+            dropped_distance = sums[DISTANCE]
             sums[:] = 0.0
-            u_began = u
-        enough = total - began >= periods * TURN - settling or hop >= hops
-        if enough and not RECENT <= count < patience:
+            slip_at_begin = slip
+        is_long_enough = elapsed - begin >= periods * TURN - settling_phase or hop >= max_hops
+        # A run that may be nearing a cycle goes on.
+        if is_long_enough and not RECENT <= hops_since_rest < patience:
             break
-        span = landing(drive, w, tau)
+        span = landing(drive, take_off, tau)
         if span < 0:
             break
-        speed, up, slip, distance, stays = flight(drive, e, u, w, tau, span)
-        write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
-        count += 1
-        since, covered = total - began, sums[DISTANCE]
-        if began < math.inf:
-            highest = hop_height(drive, w, tau, span, highest)
+        landing_speed, rebound_speed, slip_next, distance, stays_down = flight_and_landing(
+            drive, restitution, slip, take_off, tau, span
+        )
+        write_segment(
+            rows,
+            hops_since_rest,
+            tau,
+            span,
+            take_off,
+            landing_speed,
+            impulse(restitution, landing_speed, rebound_speed),
+        )
+        hops_since_rest += 1
+        time_before, distance_before = elapsed - begin, sums[DISTANCE]
+        if begin < math.inf:
+            highest = hop_height(drive, take_off, tau, span, highest)
         sums[DISTANCE] += distance
         sums[TIMES + MODE.flight] += span
-        impacts, fastest = impacts + 1, max(fastest, speed)
-        total += span
-        tau, u, w = (tau + span) % TURN, slip, up
-        if stays:
-            u, tau, span = stay(drive, tau, after_hops(drive, tau, u, w), sums, no_log)
-            jolt += MAX_STARTS
-            w, total = jolted(jolt, gn), total + span
-            count, look_at = 0, FIRST_LOOK
-            velocity = (dropped + sums[DISTANCE] - rest_at) / (total - rest_time)
-            least, most = widened(least, most, velocity)
-            rest_at, rest_time = dropped + sums[DISTANCE], total
-        elif count >= look_at and patience > 0:
-            look_at = count + count // 2
-            cycle, turns = find_cycle(drive, e, rows, count, tau, w)
+        impacts, fastest = impacts + 1, max(fastest, landing_speed)
+        elapsed += span
+        tau, slip, take_off = (tau + span) % TURN, slip_next, rebound_speed
+        if stays_down:
+            slip, tau, span = contact_to_lift_off(
+                drive, tau, slip_after_hops(drive, tau, slip, take_off), sums, no_log
+            )
+            jolt_number += MAX_STARTS
+            take_off, elapsed = jolt_speed(jolt_number, gravity_normal), elapsed + span
+            hops_since_rest, next_search = 0, FIRST_LOOK
+            # The mean velocity from rest to rest, which bounds what another start may give.
+            velocity = (dropped_distance + sums[DISTANCE] - rest_distance) / (elapsed - rest_time)
+            least, largest = widened(least, largest, velocity)
+            rest_distance, rest_time = dropped_distance + sums[DISTANCE], elapsed
+        elif hops_since_rest >= next_search and patience > 0:
+            next_search = hops_since_rest + hops_since_rest // 2
+            cycle, turns = find_cycle(drive, restitution, rows, hops_since_rest, tau, take_off)
             if cycle:
-                return FollowedRun(TURN * turns, 0, 0, 0.0, 0.0, False, least, most, cycle)
-        if count >= MAX_SEGMENTS - LONGEST_CYCLE - 2:
-            count, look_at = 0, FIRST_LOOK
-        if began < math.inf:
-            complete = share_out(travel, complete, since, total - began, sums[DISTANCE] - covered)
-            slips_down = slips_down and u * gs < 0
-    away = ran_away(slips_down, gs, u_began, u, sums)
-    time = max(0.0, total - began)
-    return FollowedRun(time, complete, impacts, fastest, highest, away, least, most, 0)
+                return FollowedRun(TURN * turns, 0, 0, 0.0, 0.0, False, least, largest, cycle)
+        if hops_since_rest >= MAX_SEGMENTS - LONGEST_CYCLE - 2:  # no room for more hops
+            hops_since_rest, next_search = 0, FIRST_LOOK
+        if begin < math.inf:
+            complete_periods = distribute_distance(
+                travel,
+                complete_periods,
+                time_before,
+                elapsed - begin,
+                sums[DISTANCE] - distance_before,
+            )
+            slips_down = slips_down and slip * gravity_along < 0
+    has_run_away = ran_away(slips_down, gravity_along, slip_at_begin, slip, sums)
+    time = max(0.0, elapsed - begin)
+    return FollowedRun(
+        time, complete_periods, impacts, fastest, highest, has_run_away, least, largest, 0
+    )
 
 
 @compiled
-def means_of(
+def fill_run_means(
     run: FollowedRun, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats,
     result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
     """Fill `result` (columns of `COLUMN`) with the means of one long run; return its status."""
     if run.hops > 0:
         periods, no_log = round(run.time / TURN), np.empty((0, len(PIECE)))
-        return repeating(
+        return fill_repeating(
             rows, run.hops, periods, phase, 0.0, drive, cell, sums, no_log, result, stop
         )[0]  # fmt: skip
     if run.time <= 0:
@@ -262,7 +301,7 @@ def means_of(
 
 
 @compiled
-def sure_change(later: Floats, before: Floats) -> float:
+def significant_change(later: Floats, before: Floats) -> float:
     """Return the mean difference of two sets of n numbers, 0 if chance may explain it."""
     change = later - before
     mean = change.mean()
@@ -282,13 +321,13 @@ def batch_error(quarters: Floats) -> float:
     for run in range(runs):
         halves[2 * run] = quarters[run, :2].mean()
         halves[2 * run + 1] = quarters[run, 2:].mean()
-    drift = sure_change(halves[1::2], halves[::2])
-    late, beyond = sure_change(quarters[:, 3], quarters[:, 2]), 1.0
-    if drift * late > 0.0:
-        early = abs((quarters[:, 1] - quarters[:, 0]).mean())
-        slows = abs(late) / max(early, abs(late) / SLOWING)
-        beyond = max(1.0, 0.5 * (1.0 + slows) / (1.0 - slows))
-    return mean_error(halves) + abs(drift) * beyond
+    drift = significant_change(halves[1::2], halves[::2])
+    last_change, extrapolation = significant_change(quarters[:, 3], quarters[:, 2]), 1.0
+    if drift * last_change > 0.0:
+        first_change = abs((quarters[:, 1] - quarters[:, 0]).mean())
+        decay_ratio = abs(last_change) / max(first_change, abs(last_change) / SLOWING)
+        extrapolation = max(1.0, 0.5 * (1.0 + decay_ratio) / (1.0 - decay_ratio))
+    return mean_error(halves) + abs(drift) * extrapolation
 
 
 @borrowing
@@ -300,7 +339,7 @@ def patience(number: int, cycles: int) -> int:
 
 
 @compiled
-def from_phases(
+def fill_means_from_phases(
     cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> int:
     """Fill `result` with means over runs from several phases of the drive; return the status.
@@ -310,38 +349,47 @@ def from_phases(
     means: `sensitive`.
     """
     drive = rounded(drive)
-    e = Restitution(kept(cell.restitution), kept(cell.impact_damping))
+    restitution = Restitution(
+        rounded_to_32_bits(cell.restitution), rounded_to_32_bits(cell.impact_damping)
+    )
     max_periods = int(cell.max_periods)
     starts = min(MAX_STARTS, max(PHASES, max_periods // PERIODS_A_START))
     runs, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))
-    count, cycles, known = 0, 0, 0.0
-    least, most = math.inf, -math.inf
+    count, cycles, cycle_error = 0, 0, 0.0
+    least, largest = math.inf, -math.inf
     periods = max(1, max_periods // PHASES)
     travel = np.empty(int((1.0 - SETTLING) * periods))
     for number in range(starts):
-        looks = cycles == 0 and number >= PHASES
+        is_last_search = cycles == 0 and number >= PHASES
         if number >= PHASES:
-            periods, travel = max(1, max_periods // (LAST_LOOK if looks else starts)), travel[:0]
-        waits = patience(number, cycles)
-        run = long_run(number, phase, periods, waits, drive, e, travel, rows, sums, stop)
-        if looks and run.hops == 0:
+            periods, travel = (
+                max(1, max_periods // (LAST_LOOK if is_last_search else starts)),
+                travel[:0],
+            )
+        hops_to_wait = patience(number, cycles)
+        run = long_run(
+            number, phase, periods, hops_to_wait, drive, restitution, travel, rows, sums, stop
+        )
+        if is_last_search and run.hops == 0:
             break
-        least, most = min(least, run.least), max(most, run.most)
+        least, largest = min(least, run.least), max(largest, run.most)
         means = runs[count]
-        status = means_of(run, phase, cell, drive, rows, sums, means, stop)
+        status = fill_run_means(run, phase, cell, drive, rows, sums, means, stop)
         if status == STATUS.limit_reached:
             return status
         if status == STATUS.runaway:
             continue
         if status != STATUS.aperiodic:
             cycles += 1
-            known = max(known, COARSER * means[COLUMN.error])
+            cycle_error = max(cycle_error, COARSER * means[COLUMN.error])
         elif number < PHASES:
-            part = run.periods // QUARTERS
+            quarter_periods = run.periods // QUARTERS
             quarters[count] = means[COLUMN.velocity]  # of all of a run that took few periods
-            for quarter in range(QUARTERS if part > 0 else 0):
-                covered = travel[quarter * part : (quarter + 1) * part].sum()
-                quarters[count, quarter] = covered / (part * TURN)
+            for quarter in range(QUARTERS if quarter_periods > 0 else 0):
+                quarter_distance = travel[
+                    quarter * quarter_periods : (quarter + 1) * quarter_periods
+                ].sum()
+                quarters[count, quarter] = quarter_distance / (quarter_periods * TURN)
         count += 1
     if count == 0:
         return STATUS.runaway
@@ -360,6 +408,6 @@ def from_phases(
         result[COLUMN.error] = batch_error(quarters[:count])
         return STATUS.aperiodic
     mean = result[COLUMN.velocity]
-    least, most = min(least, velocities.min()), max(most, velocities.max())
-    result[COLUMN.error] = max(mean - least, most - mean) + known
+    least, largest = min(least, velocities.min()), max(largest, velocities.max())
+    result[COLUMN.error] = max(mean - least, largest - mean) + cycle_error
     return STATUS.sensitive

@@ -14,7 +14,6 @@ from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Restitution,
     impulse,
     landing,
-    left_out_softly,
     lift_off,
     lifts,
     load,
@@ -22,6 +21,7 @@ from vibrafeed.core.motion.kernels.planar.plane_laws import (
     rebound,
     rests,
     rise,
+    soft_hop_errors,
     to_lift_off,
 )
 
@@ -40,36 +40,54 @@ CERTAIN = (0.0, 0.0, 0.0)
 
 
 @compiled
-def grown(
-    known: Uncertainty, span: float, speed: float, after: float, drive: Drive, slope: float,
-    slopes: tuple[float, float, float, float],
+def errors_after_hop(
+    errors: Uncertainty, span: float, landing_speed: float, landing_phase: float, drive: Drive,
+    slope: float, slopes: tuple[float, float, float, float],
 ) -> Uncertainty:  # fmt: skip
     """Return the rounding errors after one more hop, E' = M E M^T + j j^T, as mean squares.
 
-    E = `known` are the errors of phase and rebound, M = `slopes` the derivatives of `one_hop`, j
+    E = `errors` are those of phase and rebound, M = `slopes` the derivatives of `one_hop`, j
     what one rounding of the parameters adds (theory 13.7).
     """
-    square, product, rebounds = known
+    phase_square, product, speed_square = errors
+    # M = ((tt, tw), (wt, ww)): t for the phase, w for the rebound, derivative of the first letter.
     tt, tw, wt, ww = slopes
-    s, gn = drive.s, drive.gn
-    n1 = load(drive, after)
-    late = TURN + min((s + gn) * span * span / max(speed, 1e-300), span / ROUNDED)
-    fast = slope * ((s + gn) * (1 + span) + abs(n1) * late)
+    push_normal, gravity_normal = drive.push_normal, drive.gravity_normal
+    load_at_landing = load(drive, landing_phase)
+    phase_rounding = TURN + min(
+        (push_normal + gravity_normal) * span * span / max(landing_speed, 1e-300), span / ROUNDED
+    )
+    speed_rounding = slope * (
+        (push_normal + gravity_normal) * (1 + span) + abs(load_at_landing) * phase_rounding
+    )
     return (
-        tt * tt * square + 2 * tt * tw * product + tw * tw * rebounds + late * late,
-        tt * wt * square + (tt * ww + tw * wt) * product + tw * ww * rebounds,
-        wt * wt * square + 2 * wt * ww * product + ww * ww * rebounds + fast * fast,
+        tt * tt * phase_square
+        + 2 * tt * tw * product
+        + tw * tw * speed_square
+        + phase_rounding * phase_rounding,
+        tt * wt * phase_square + (tt * ww + tw * wt) * product + tw * ww * speed_square,
+        wt * wt * phase_square
+        + 2 * wt * ww * product
+        + ww * ww * speed_square
+        + speed_rounding * speed_rounding,
     )
 
 
 @compiled
-def growth(known: Uncertainty, speed: float, after: float, drive: Drive) -> float:
+def weighted_error(
+    errors: Uncertainty, landing_speed: float, landing_phase: float, drive: Drive
+) -> float:
     """Return the error of the state after a hop, in roundings, weighted by its effect.
 
     sqrt(E_11) min(1, (|n1| + v)/(s + n)) + sqrt(E_22).
     """
-    given = min(1.0, (abs(load(drive, after)) + speed) / (drive.s + drive.gn))
-    return math.sqrt(known[0]) * given + math.sqrt(known[2])
+    # E_11, E_22: squares of the errors of phase and rebound; n1, v: load and speed at the landing.
+    phase_weight = min(
+        1.0,
+        (abs(load(drive, landing_phase)) + landing_speed)
+        / (drive.push_normal + drive.gravity_normal),
+    )
+    return math.sqrt(errors[0]) * phase_weight + math.sqrt(errors[2])
 
 
 SEARCH_HOPS = 512  # hops without a rest after which a motion counts as aperiodic
@@ -95,16 +113,26 @@ SUMMARY = Summary(*range(len(Summary._fields)))
 
 @compiled
 def write_segment(
-    rows: Floats, row: int, tau: float, span: float, w: float, speed: float, impulse: float
+    rows: Floats,
+    index: int,
+    tau: float,
+    span: float,
+    take_off: float,
+    landing_speed: float,
+    impulse: float,
 ) -> None:
     """Write one segment of the motion normal to the floor, a contact or a flight, into a row."""
-    rows[row, SEGMENT.phase], rows[row, SEGMENT.span], rows[row, SEGMENT.take_off] = tau, span, w
-    rows[row, SEGMENT.landing], rows[row, SEGMENT.impulse] = speed, impulse
+    rows[index, SEGMENT.phase], rows[index, SEGMENT.span], rows[index, SEGMENT.take_off] = (
+        tau,
+        span,
+        take_off,
+    )
+    rows[index, SEGMENT.landing], rows[index, SEGMENT.impulse] = landing_speed, impulse
 
 
 @compiled
 def one_hop(
-    drive: Drive, tau: float, w: float, e: Restitution
+    drive: Drive, tau: float, take_off: float, restitution: Restitution
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, landing phase and rebound of a hop, and four derivatives.
 
@@ -115,40 +143,62 @@ def one_hop(
         d(rebound)/d(tau) = -R' (n0 - n1 d(phase)/d(tau))
         d(rebound)/d(w)   = -R' (1 - n1 d(phase)/d(w))
     """
-    span = landing(drive, w, tau)
-    speed = max(0.0, -rise(drive, w, tau, span)[0])
-    after = tau + span
-    if speed == 0.0:
-        return span, speed, after, 0.0, 0.0, 0.0, 0.0, 0.0
-    n0, n1 = load(drive, tau), load(drive, after)
-    phase_tau, phase_w = (span * n0 - w) / speed, span / speed
+    span = landing(drive, take_off, tau)
+    landing_speed = max(0.0, -rise(drive, take_off, tau, span)[0])
+    landing_phase = tau + span
+    if landing_speed == 0.0:
+        return span, landing_speed, landing_phase, 0.0, 0.0, 0.0, 0.0, 0.0
+    n0, n1 = load(drive, tau), load(drive, landing_phase)
+    phase_tau, phase_w = (span * n0 - take_off) / landing_speed, span / landing_speed
     # The landing velocity changes by dw + n0 dtau - n1 dphase; the rebound is -R' times that.
-    up, slope = rebound(e, speed)
+    rebound_speed, rebound_slope = rebound(restitution, landing_speed)
     return (
-        span, speed, after, up,
-        phase_tau, phase_w, -slope * (n0 - n1 * phase_tau), -slope * (1 - n1 * phase_w),
+        span, landing_speed, landing_phase, rebound_speed, phase_tau, phase_w,
+        -rebound_slope * (n0 - n1 * phase_tau), -rebound_slope * (1 - n1 * phase_w),
     )  # fmt: skip
 
 
 @compiled
 def run_cycle(
-    drive: Drive, tau: float, w: float, hops: int, e: Restitution, rows: Floats
+    drive: Drive, tau: float, take_off: float, hops: int, restitution: Restitution, rows: Floats
 ) -> tuple[float, float, float, float, float, float]:
     """Return phase and rebound speed after `hops` hops, NaN after a stay, and four derivatives."""
-    a, b, c, d = 1.0, 0.0, 0.0, 1.0
+    m_tt, m_tw, m_wt, m_ww = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
-        span, speed, after, up, tt, tw, wt, ww = one_hop(drive, tau, w, e)
-        if span <= 0 or rests(drive, after, up, e, SETTLED_EXACTLY):
-            return math.nan, 0.0, a, b, c, d
-        write_segment(rows, hop, tau % TURN, span, w, speed, impulse(e, speed, up))
-        a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
-        tau, w = after, up
-    return tau, w, a, b, c, d
+        span, landing_speed, landing_phase, rebound_speed, tt, tw, wt, ww = one_hop(
+            drive, tau, take_off, restitution
+        )
+        if span <= 0 or rests(drive, landing_phase, rebound_speed, restitution, SETTLED_EXACTLY):
+            return math.nan, 0.0, m_tt, m_tw, m_wt, m_ww
+        write_segment(
+            rows,
+            hop,
+            tau % TURN,
+            span,
+            take_off,
+            landing_speed,
+            impulse(restitution, landing_speed, rebound_speed),
+        )
+        # Chain rule: the matrix of this hop times that of all hops before.
+        m_tt, m_tw, m_wt, m_ww = (
+            tt * m_tt + tw * m_wt,
+            tt * m_tw + tw * m_ww,
+            wt * m_tt + ww * m_wt,
+            wt * m_tw + ww * m_ww,
+        )
+        tau, take_off = landing_phase, rebound_speed
+    return tau, take_off, m_tt, m_tw, m_wt, m_ww
 
 
 @compiled
 def fixed_point(
-    drive: Drive, at: float, up: float, hops: int, periods: int, e: Restitution, rows: Floats
+    drive: Drive,
+    phase: float,
+    take_off: float,
+    hops: int,
+    periods: int,
+    restitution: Restitution,
+    rows: Floats,
 ) -> tuple[float, float, bool]:
     """Return take-off phase and speed of a cycle of hops, and True if the cycle attracts.
 
@@ -157,70 +207,83 @@ def fixed_point(
     (Jury).
     """
     for _ in range(MAX_NEWTON):
-        after, up_after, a, b, c, d = run_cycle(drive, at, up, hops, e, rows)
-        if math.isnan(after):
+        phase_after, take_off_after, m_tt, m_tw, m_wt, m_ww = run_cycle(
+            drive, phase, take_off, hops, restitution, rows
+        )
+        if math.isnan(phase_after):
             break
-        off, off_up = after - at - periods * TURN, up_after - up
-        determinant = (a - 1) * (d - 1) - b * c
-        if determinant == 0:
+        phase_change, take_off_change = (
+            phase_after - phase - periods * TURN,
+            take_off_after - take_off,
+        )
+        newton_determinant = (m_tt - 1) * (m_ww - 1) - m_tw * m_wt
+        if newton_determinant == 0:
             break
-        step = (off * (d - 1) - b * off_up) / determinant
-        step_up = ((a - 1) * off_up - c * off) / determinant
-        at, up = at - step, max(0.0, up - step_up)
-        if abs(step) + abs(step_up) <= 1e-14 * (TURN + drive.s):
-            product = a * d - b * c
-            return at, up, abs(a + d) < 1 + product and product < 1
-    return at, up, False
+        phase_step = (phase_change * (m_ww - 1) - m_tw * take_off_change) / newton_determinant
+        take_off_step = ((m_tt - 1) * take_off_change - m_wt * phase_change) / newton_determinant
+        phase, take_off = phase - phase_step, max(0.0, take_off - take_off_step)
+        if abs(phase_step) + abs(take_off_step) <= 1e-14 * (TURN + drive.push_normal):
+            m_determinant = m_tt * m_ww - m_tw * m_wt
+            return phase, take_off, abs(m_tt + m_ww) < 1 + m_determinant and m_determinant < 1
+    return phase, take_off, False
 
 
 @compiled
 def shortest_part(rows: Floats, hops: int, periods: int) -> int:
     """Return the number of hops after which a cycle of `hops` hops already repeats."""
-    for part in range(1, hops // 2 + 1):
-        if hops % part == 0 and periods % (hops // part) == 0:
-            apart = 0.0
-            for hop in range(hops - part):
-                apart += abs(rows[hop + part, SEGMENT.phase] - rows[hop, SEGMENT.phase])
-                apart += abs(rows[hop + part, SEGMENT.take_off] - rows[hop, SEGMENT.take_off])
-            if apart < SAME_STATE * hops:
-                return part
+    for fewer_hops in range(1, hops // 2 + 1):
+        if hops % fewer_hops == 0 and periods % (hops // fewer_hops) == 0:
+            distance = 0.0  # of the hops to those so many later
+            for hop in range(hops - fewer_hops):
+                distance += abs(rows[hop + fewer_hops, SEGMENT.phase] - rows[hop, SEGMENT.phase])
+                distance += abs(
+                    rows[hop + fewer_hops, SEGMENT.take_off] - rows[hop, SEGMENT.take_off]
+                )
+            if distance < SAME_STATE * hops:
+                return fewer_hops
     return hops
 
 
 @compiled
 def find_cycle(
-    drive: Drive, e: Restitution, rows: Floats, count: int, tau: float, w: float
+    drive: Drive, restitution: Restitution, rows: Floats, count: int, tau: float, take_off: float
 ) -> tuple[int, int]:
     """Return hops and periods of an attracting cycle of hops near the last states; (0, 0) if none.
 
     A search starts where the motion nearly recurs. The cycle must attract, lie near, and be
     approached by the motion; its hops then overwrite the first rows (theory 13.7).
     """
-    travelled, tries = 0.0, 0
+    elapsed, tries = 0.0, 0
     for hops in range(1, min(LONGEST_CYCLE, count) + 1):
         row = rows[count - hops]
-        travelled += row[SEGMENT.span]
-        periods = round(travelled / TURN)
-        recurrence = abs(travelled - periods * TURN) + abs(w - row[SEGMENT.take_off])
+        elapsed += row[SEGMENT.span]
+        periods = round(elapsed / TURN)
+        recurrence = abs(elapsed - periods * TURN) + abs(take_off - row[SEGMENT.take_off])
         if periods < 1 or recurrence > NEAR:
             continue
         tries += 1
         if tries > MAX_TRIES:
             break
-        at, up = tau % TURN, w
-        start, start_up = at, up
+        phase, cycle_take_off = tau % TURN, take_off
+        start_phase, start_take_off = phase, cycle_take_off
         scratch = rows[count:]
         if scratch.shape[0] < hops:
             return 0, 0
-        at, up, attracts = fixed_point(drive, at, up, hops, periods, e, scratch)
-        distance = abs(at - start) + abs(up - start_up)
+        phase, cycle_take_off, attracts = fixed_point(
+            drive, phase, cycle_take_off, hops, periods, restitution, scratch
+        )
+        distance = abs(phase - start_phase) + abs(cycle_take_off - start_take_off)
         if not attracts or distance > 100 * recurrence + 1e-9:
             continue
-        after, up_after, _, _, _, _ = run_cycle(drive, start, start_up, hops, e, scratch)
-        nearer = abs(after - at - periods * TURN) + abs(up_after - up)
-        if not (nearer < distance or distance < 1e-9):
+        phase_after, take_off_after, _, _, _, _ = run_cycle(
+            drive, start_phase, start_take_off, hops, restitution, scratch
+        )
+        distance_after = abs(phase_after - phase - periods * TURN) + abs(
+            take_off_after - cycle_take_off
+        )
+        if not (distance_after < distance or distance < 1e-9):
             continue
-        if math.isnan(run_cycle(drive, at, up, hops, e, scratch)[0]):
+        if math.isnan(run_cycle(drive, phase, cycle_take_off, hops, restitution, scratch)[0]):
             continue
         shortest = shortest_part(scratch, hops, periods)
         for hop in range(shortest):
@@ -232,7 +295,12 @@ def find_cycle(
 
 @compiled
 def normal_cycle(
-    drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float, rows: Floats
+    drive: Drive,
+    start: float,
+    restitution: Restitution,
+    max_periods: int,
+    most_growth: float,
+    rows: Floats,
 ) -> tuple[int, int, int]:
     """Return the cycle normal to the floor into which a part settles from rest at phase `start`.
 
@@ -243,125 +311,165 @@ def normal_cycle(
         write_segment(rows, 0, 0.0, TURN, -1.0, 0.0, 0.0)
         return 0, 1, 1
     tau = lift_off(drive, start)
-    w, total, count, look_at = 0.0, 0.0, 0, FIRST_LOOK
+    take_off, elapsed, count, next_search = 0.0, 0.0, 0, FIRST_LOOK
     uncertainty = CERTAIN
     while count < MAX_SEGMENTS - LONGEST_CYCLE - 2:
-        span, speed, after, up, tt, tw, wt, ww = one_hop(drive, tau, w, e)
+        span, landing_speed, landing_phase, rebound_speed, tt, tw, wt, ww = one_hop(
+            drive, tau, take_off, restitution
+        )
         if span < 0:
             return 0, count, -1
-        write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
+        write_segment(
+            rows,
+            count,
+            tau,
+            span,
+            take_off,
+            landing_speed,
+            impulse(restitution, landing_speed, rebound_speed),
+        )
         count += 1
-        total += span
+        elapsed += span
         if most_growth < math.inf:
-            slope = rebound(e, speed)[1]
-            uncertainty = grown(uncertainty, span, speed, after, drive, slope, (tt, tw, wt, ww))
-            if not growth(uncertainty, speed, after, drive) <= most_growth:
+            slope = rebound(restitution, landing_speed)[1]
+            uncertainty = errors_after_hop(
+                uncertainty, span, landing_speed, landing_phase, drive, slope, (tt, tw, wt, ww)
+            )
+            if not weighted_error(uncertainty, landing_speed, landing_phase, drive) <= most_growth:
                 return 0, count, 0
-        tau, w = after % TURN, up
-        if rests(drive, tau, w, e, SETTLED_EXACTLY):
+        tau, take_off = landing_phase % TURN, rebound_speed
+        if rests(drive, tau, take_off, restitution, SETTLED_EXACTLY):
             # On the floor until lift-off; the cycle is closed if one began there before.
             span = to_lift_off(drive, tau)
-            rows[count - 1, SEGMENT.impulse] = speed
-            write_segment(rows, count, tau, span, -1.0, 0.0, w)
+            rows[count - 1, SEGMENT.impulse] = landing_speed
+            write_segment(rows, count, tau, span, -1.0, 0.0, take_off)
             count += 1
-            total += span
-            tau, w, uncertainty = lift_off(drive, tau), 0.0, CERTAIN
-            first = same_start(rows, count, tau)
+            elapsed += span
+            tau, take_off, uncertainty = lift_off(drive, tau), 0.0, CERTAIN
+            first = index_of_lift_off(rows, count, tau)
             if first >= 0:
                 for row in range(first):
-                    total -= rows[row, SEGMENT.span]
-                return first, count, round(total / TURN)
-        elif count >= look_at and total > TURN:
-            look_at = count + count // 2
-            hops, periods = find_cycle(drive, e, rows, count, tau, w)
+                    elapsed -= rows[row, SEGMENT.span]
+                return first, count, round(elapsed / TURN)
+        elif count >= next_search and elapsed > TURN:
+            next_search = count + count // 2
+            hops, periods = find_cycle(drive, restitution, rows, count, tau, take_off)
             if hops:
                 return 0, hops, periods
-        if count >= SEARCH_HOPS and total > TURN * min(SEARCH_PERIODS, max_periods):
+        if count >= SEARCH_HOPS and elapsed > TURN * min(SEARCH_PERIODS, max_periods):
             return 0, count, 0
-    return 0, count, (0 if total > TURN * FEWEST_PERIODS else -1)
+    return 0, count, (0 if elapsed > TURN * FEWEST_PERIODS else -1)
 
 
 @compiled
-def no_chain() -> Chain:
+def empty_chain() -> Chain:
     """Return room for the segments of a cell, which are no cell's yet."""
     return Chain(np.empty((MAX_SEGMENTS, len(SEGMENT))), np.full(len(SUMMARY), math.nan))
 
 
 @compiled
-def is_owned(owner: Floats, drive: Drive, e: Restitution, start: float) -> bool:
-    """True if `owner` has the numbers of a motion normal to the floor; it has them afterwards."""
+def matches_and_stores(
+    stored: Floats, drive: Drive, restitution: Restitution, start: float
+) -> bool:
+    """True if `stored` has the numbers of a motion normal to the floor; it has them afterwards."""
     normal, load = normal_numbers(drive)
     is_same = True
-    for place, number in enumerate((normal, load, e.constant, e.damping, start)):
-        is_same = is_same and owner[place] == number
-        owner[place] = number
+    for place, number in enumerate(
+        (normal, load, restitution.constant, restitution.damping, start)
+    ):
+        is_same = is_same and stored[place] == number
+        stored[place] = number
     return is_same
 
 
 @compiled
-def cycle_in(
-    chain: Chain, drive: Drive, start: float, e: Restitution, max_periods: int, most_growth: float
+def cached_cycle(
+    chain: Chain,
+    drive: Drive,
+    start: float,
+    restitution: Restitution,
+    max_periods: int,
+    most_growth: float,
 ) -> tuple[int, int, int]:
     """Return the result of `normal_cycle`, taken over from the last cell if that had the same."""
     summary = chain.summary
-    is_same = is_owned(summary, drive, e, start) and summary[SUMMARY.most] == max_periods
+    is_same = (
+        matches_and_stores(summary, drive, restitution, start)
+        and summary[SUMMARY.most] == max_periods
+    )
     summary[SUMMARY.most] = max_periods
     if not (is_same and lifts(drive)):
-        first, end, periods = normal_cycle(drive, start, e, max_periods, most_growth, chain.rows)
+        first, end, periods = normal_cycle(
+            drive, start, restitution, max_periods, most_growth, chain.rows
+        )
         summary[SUMMARY.first], summary[SUMMARY.end], summary[SUMMARY.periods] = first, end, periods
     return int(summary[SUMMARY.first]), int(summary[SUMMARY.end]), int(summary[SUMMARY.periods])
 
 
 @compiled
-def same_start(rows: Floats, count: int, tau: float) -> int:
+def index_of_lift_off(rows: Floats, count: int, tau: float) -> int:
     """Return the index of an earlier segment that took off from rest at phase `tau`; -1 if none."""
     for row in range(count):
         if rows[row, SEGMENT.take_off] == 0.0:
-            apart = abs(rows[row, SEGMENT.phase] - tau)
-            if min(apart, TURN - apart) < SAME_LIFT_OFF:
+            phase_distance = abs(rows[row, SEGMENT.phase] - tau)
+            if min(phase_distance, TURN - phase_distance) < SAME_LIFT_OFF:
                 return row
     return -1
 
 
 @compiled
-def phase_uncertainty(rows: Floats, count: int, drive: Drive, e: Restitution) -> float:
+def phase_uncertainty(rows: Floats, count: int, drive: Drive, restitution: Restitution) -> float:
     """Return the error in rad by rounding of a cycle's phases, weighted by its effect on the part.
 
     Errors grow by |M|/min |M| of the matrices of `one_hop` until the part rests; if it never rests,
     at least by (2 + |M|)/|det(M - 1)|.
     """
-    s, gn = drive.s, drive.gn
-    a, b, c, d = 1.0, 0.0, 0.0, 1.0
-    least, growth, never_rests = 2.0, 1.0, True
+    push_normal, gravity_normal = drive.push_normal, drive.gravity_normal
+    m_tt, m_tw, m_wt, m_ww = 1.0, 0.0, 0.0, 1.0
+    least_size, growth, never_rests = 2.0, 1.0, True
     for row in range(count):
         tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
-        w, speed = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing]
-        if w < 0 or speed <= 0:
-            a, b, c, d, least = 1.0, 0.0, 0.0, 1.0, 2.0
-            never_rests = never_rests and w >= 0
+        take_off, landing_speed = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing]
+        if take_off < 0 or landing_speed <= 0:
+            m_tt, m_tw, m_wt, m_ww, least_size = 1.0, 0.0, 0.0, 1.0, 2.0
+            never_rests = never_rests and take_off >= 0
             continue
-        n0, n1, slope = load(drive, tau), load(drive, tau + span), rebound(e, speed)[1]
-        tt, tw = (span * n0 - w) / speed, span / speed
-        wt, ww = -slope * (n0 - n1 * tt), -slope * (1 - n1 * tw)
-        a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
-        size = abs(a) + abs(b) + abs(c) + abs(d)
+        load_at_take_off, load_at_landing, slope = (
+            load(drive, tau),
+            load(drive, tau + span),
+            rebound(restitution, landing_speed)[1],
+        )
+        tt, tw = (span * load_at_take_off - take_off) / landing_speed, span / landing_speed
+        wt, ww = (
+            -slope * (load_at_take_off - load_at_landing * tt),
+            -slope * (1 - load_at_landing * tw),
+        )
+        m_tt, m_tw, m_wt, m_ww = (
+            tt * m_tt + tw * m_wt,
+            tt * m_tw + tw * m_ww,
+            wt * m_tt + ww * m_wt,
+            wt * m_tw + ww * m_ww,
+        )
+        size = abs(m_tt) + abs(m_tw) + abs(m_wt) + abs(m_ww)
         if not 1e-100 < size < 1e100:
-            a, b, c, d, size, least = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
-        least = min(least, size)
-        given = min(1.0, (abs(n1) + speed) / (s + gn))
-        growth = max(growth, 1.0 + (size / least - 1.0) * given)
-    rounding = EPSILON * (TURN + s) + left_out_softly(rows, count, drive, e)[1]
+            m_tt, m_tw, m_wt, m_ww, size, least_size = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
+        least_size = min(least_size, size)
+        phase_weight = min(
+            1.0, (abs(load_at_landing) + landing_speed) / (push_normal + gravity_normal)
+        )
+        growth = max(growth, 1.0 + (size / least_size - 1.0) * phase_weight)
+    rounding = EPSILON * (TURN + push_normal) + soft_hop_errors(rows, count, drive, restitution)[1]
     if never_rests:
         # Of a cycle that has just doubled one half may have been kept: it does not quite close.
         last = count - 1
-        apart = (
+        cycle_turns = (
             rows[last, SEGMENT.phase] + rows[last, SEGMENT.span] - rows[0, SEGMENT.phase]
         ) / TURN
-        open_by = abs(apart - round(apart)) * TURN + abs(
-            rebound(e, rows[last, SEGMENT.landing])[0] - rows[0, SEGMENT.take_off]
+        closing_error = abs(cycle_turns - round(cycle_turns)) * TURN + abs(
+            rebound(restitution, rows[last, SEGMENT.landing])[0] - rows[0, SEGMENT.take_off]
         )
-        determinant = abs((a - 1) * (d - 1) - b * c)
-        return (rounding + open_by) * max(
-            growth, (2 + abs(a) + abs(b) + abs(c) + abs(d)) / max(1e-9, determinant)
+        determinant = abs((m_tt - 1) * (m_ww - 1) - m_tw * m_wt)
+        return (rounding + closing_error) * max(
+            growth, (2 + abs(m_tt) + abs(m_tw) + abs(m_wt) + abs(m_ww)) / max(1e-9, determinant)
         )
     return rounding * growth

@@ -38,18 +38,21 @@ class NoWaves(NamedTuple):
 NO_WAVES = NoWaves()
 
 
-SineDrive = namedtuple("SineDrive", "c s gs gn mu_s mu_k up_at least largest way")
+SineDrive = namedtuple(
+    "SineDrive",
+    "push_along push_normal gravity_along gravity_normal mu_s mu_k lift_off_phase "
+    "stick_low stick_high slip_above",
+)
 """A sine drive: accelerations along and normal to the floor in g, gravity, and friction.
 
-`c` and `s` are the amplitudes, `gs` and `gn` gravity along (downhill) and onto the floor.
-`up_at` is the phase of lift-off, NaN without; `least`, `largest` and `way` are those of
-`stick_range`.
+Pushes are amplitudes; gravity along is downhill, normal onto the floor. The phase of lift-off is
+NaN without; the last three fields are those of `stick_range`.
 """
 
 
 @compiled
 def stick_range(
-    c: float, s: float, gs: float, gn: float, mu_s: float
+    push_along: float, push_normal: float, gravity_along: float, gravity_normal: float, mu_s: float
 ) -> tuple[float, float, float]:
     """Return the range of sin(tau) within which friction holds, and the slip direction above it.
 
@@ -57,51 +60,85 @@ def stick_range(
     the part slips backward, beyond the largest forward (1), or backward (-1) where the drive lifts
     it off more than it pushes it on (theory 13.3).
     """
-    least, largest, way = -math.inf, math.inf, 1.0
-    if c + mu_s * s > 0:
-        largest = (gs + mu_s * gn) / (c + mu_s * s)
-    elif gs + mu_s * gn < 0:
-        largest = -math.inf
-    lifting = c - mu_s * s
-    holding = mu_s * gn - gs
+    low, high, slip_above = -math.inf, math.inf, 1.0
+    if push_along + mu_s * push_normal > 0:
+        high = (gravity_along + mu_s * gravity_normal) / (push_along + mu_s * push_normal)
+    elif gravity_along + mu_s * gravity_normal < 0:
+        high = -math.inf
+    lifting = push_along - mu_s * push_normal
+    holding = mu_s * gravity_normal - gravity_along
     if lifting > 0:
-        least = -holding / lifting
+        low = -holding / lifting
     elif lifting < 0:
-        if holding / -lifting < largest:
-            largest, way = holding / -lifting, -1.0
+        if holding / -lifting < high:
+            high, slip_above = holding / -lifting, -1.0
     elif holding < 0:
-        least = math.inf
-    return least, largest, way
+        low = math.inf
+    return low, high, slip_above
 
 
 @compiled
-def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> SineDrive:
+def sine_of(
+    push_along: float,
+    push_normal: float,
+    gravity_along: float,
+    gravity_normal: float,
+    mu_s: float,
+    mu_k: float,
+) -> SineDrive:
     """Return the sine drive with amplitudes c, s along and normal, gravity gs, gn, and friction."""
-    least, largest, way = stick_range(c, s, gs, gn, mu_s)
-    up_at = math.asin(gn / s) if s > gn else math.nan
-    return SineDrive(c, s, gs, gn, mu_s, mu_k, up_at, least, largest, way)
+    stick_low, stick_high, slip_above = stick_range(
+        push_along, push_normal, gravity_along, gravity_normal, mu_s
+    )
+    lift_off_phase = (
+        math.asin(gravity_normal / push_normal) if push_normal > gravity_normal else math.nan
+    )
+    return SineDrive(
+        push_along,
+        push_normal,
+        gravity_along,
+        gravity_normal,
+        mu_s,
+        mu_k,
+        lift_off_phase,
+        stick_low,
+        stick_high,
+        slip_above,
+    )
 
 
 @compiled
-def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, float]:
+def mirrored_sine(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, float]:
     """Return the sine drive of a cell, mirrored to positive amplitudes, a phase shift and a sign.
 
     (c, s) sin(tau) = (-c, -s) sin(tau - pi): the phase shift in rad (0 or pi) is where the study's
     own phase 0 lies. A drive that then points back is mirrored, (c, sin(gamma)) -> (-c,
     -sin(gamma)), and the sign is -1.
     """
-    c, s, gs = cell.drive_number_along, cell.drive_number_normal, cell.gravity_number_along
-    phase, way = 0.0, 1.0
-    if s < 0:
-        c, s, phase = -c, -s, math.pi
-    if c < 0:
-        c, gs, way = -c, -gs, -1.0
-    gn, mu_s, mu_k = cell.gravity_number_normal, cell.friction_static, cell.friction_kinetic
-    return sine_of(c, s, gs, gn, mu_s, mu_k), phase, way
+    push_along, push_normal, gravity_along = (
+        cell.drive_number_along,
+        cell.drive_number_normal,
+        cell.gravity_number_along,
+    )
+    phase, direction = 0.0, 1.0
+    if push_normal < 0:
+        push_along, push_normal, phase = -push_along, -push_normal, math.pi
+    if push_along < 0:
+        push_along, gravity_along, direction = -push_along, -gravity_along, -1.0
+    gravity_normal, mu_s, mu_k = (
+        cell.gravity_number_normal,
+        cell.friction_static,
+        cell.friction_kinetic,
+    )
+    return (
+        sine_of(push_along, push_normal, gravity_along, gravity_normal, mu_s, mu_k),
+        phase,
+        direction,
+    )
 
 
 @compiled
-def kept(value: float) -> float:
+def rounded_to_32_bits(value: float) -> float:
     """Return a number rounded to 32 bits, so that neighbouring studies have equal runs."""
     mantissa, exponent = math.frexp(value)
     return math.ldexp(np.rint(mantissa * KEPT_BITS) / KEPT_BITS, exponent)
@@ -110,56 +147,70 @@ def kept(value: float) -> float:
 @compiled
 def sine_rounded(drive: SineDrive) -> SineDrive:
     """Return a drive with all numbers rounded to 32 bits, if the part then still lifts off."""
-    few = sine_of(
-        kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
-        kept(drive.mu_s), kept(drive.mu_k),
+    rounded = sine_of(
+        rounded_to_32_bits(drive.push_along), rounded_to_32_bits(drive.push_normal),
+        rounded_to_32_bits(drive.gravity_along), rounded_to_32_bits(drive.gravity_normal),
+        rounded_to_32_bits(drive.mu_s), rounded_to_32_bits(drive.mu_k),
     )  # fmt: skip
-    return few if few.s > few.gn else drive
+    return rounded if rounded.push_normal > rounded.gravity_normal else drive
 
 
 @compiled
-def arc(d: float) -> tuple[float, float]:
+def arc_terms(d: float) -> tuple[float, float]:
     """Return D - sin D and 1 - cos D = 2 sin^2(D/2) of a phase D in rad, without loss of digits.
 
     Below 0.7 from their series, D^3/6 (1 - D^2/20 (1 - D^2/42 ...)) and D^2/2 (1 - D^2/12 (1 -
     D^2/30 ...)), since differences lose digits (theory 13.2).
     """
     if abs(d) > 0.7:
-        half = math.sin(d / 2)
-        return d - math.sin(d), 2 * half * half
-    q = d * d
-    cubic = 1 - q / 110 * (1 - q / 156 * (1 - q / 210 * (1 - q / 272)))
-    square = 1 - q / 90 * (1 - q / 132 * (1 - q / 182 * (1 - q / 240)))
+        sine_of_half = math.sin(d / 2)
+        return d - math.sin(d), 2 * sine_of_half * sine_of_half
+    d_squared = d * d
+    cubic_tail = 1 - d_squared / 110 * (
+        1 - d_squared / 156 * (1 - d_squared / 210 * (1 - d_squared / 272))
+    )
+    square_tail = 1 - d_squared / 90 * (
+        1 - d_squared / 132 * (1 - d_squared / 182 * (1 - d_squared / 240))
+    )
     return (
-        d * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * cubic))),
-        q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * square))),
+        d
+        * d_squared
+        / 6
+        * (1 - d_squared / 20 * (1 - d_squared / 42 * (1 - d_squared / 72 * cubic_tail))),
+        d_squared
+        / 2
+        * (1 - d_squared / 12 * (1 - d_squared / 30 * (1 - d_squared / 56 * square_tail))),
     )
 
 
 @compiled
-def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
+def sine_integrals(sine: float, cosine: float, d: float) -> tuple[float, float]:
     """Return the velocity and distance that an acceleration sin(tau) adds over a phase D from tau0.
 
     cos(tau0) (1 - cos D) + sin(tau0) sin D and cos(tau0) (D - sin D) + sin(tau0) (1 - cos D).
     """
-    cubic, square = arc(d)
-    return cosine * square + sine * (d - cubic), cosine * cubic + sine * square
+    d_minus_sine, one_minus_cosine = arc_terms(d)
+    return cosine * one_minus_cosine + sine * (
+        d - d_minus_sine
+    ), cosine * d_minus_sine + sine * one_minus_cosine
 
 
 @compiled
 def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> tuple[float, float]:
     """Return velocity and distance at phase `d` after velocity `v`, under u' = C sin(tau) - k."""
-    swing, sway = swings(sine, cosine, d)
-    return swung(v, C, k, d, swing, sway)
+    first_integral, second_integral = sine_integrals(sine, cosine, d)
+    return flow_from_integrals(v, C, k, d, first_integral, second_integral)
 
 
 @compiled
-def swung(v: float, C: float, k: float, d: float, swing: float, sway: float) -> tuple[float, float]:
-    """Return velocity and distance as `flow` does, from the `swings` of its phases.
+def flow_from_integrals(
+    v: float, C: float, k: float, d: float, first_integral: float, second_integral: float
+) -> tuple[float, float]:
+    """Return velocity and distance as `flow` does, from the `sine_integrals` of its phases.
 
     u = v + C swing - k D and x = v D + C sway - k D^2/2, D = `d` (theory 13.2).
     """
-    return v + C * swing - k * d, v * d + C * sway - k * d * d / 2
+    return v + C * first_integral - k * d, v * d + C * second_integral - k * d * d / 2
 
 
 @compiled
@@ -176,13 +227,16 @@ def sine_terms(drive: SineDrive, kind: int) -> tuple[float, float]:
     slips forward and backward, at mu_k and at mu_s.
     """
     if kind == NORMAL:
-        return drive.s, drive.gn
+        return drive.push_normal, drive.gravity_normal
     if kind == AIR:
-        return drive.c, drive.gs
+        return drive.push_along, drive.gravity_along
     friction = drive.mu_k if kind < STATIC_FORWARD else drive.mu_s
     if kind % 2 == BACKWARD % 2:
         friction = -friction
-    return drive.c + friction * drive.s, drive.gs + friction * drive.gn
+    return (
+        drive.push_along + friction * drive.push_normal,
+        drive.gravity_along + friction * drive.gravity_normal,
+    )
 
 
 @compiled

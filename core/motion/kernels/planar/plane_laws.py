@@ -1,7 +1,7 @@
 """Drive and floor of a part in the plane: the seam to sines and waves, rebounds, rests.
 
-All drives have the fields `c` and `s`, the largest push along and normal to the floor in g, `gs`,
-`gn`, `mu_s` and `mu_k`; the drive acceleration b is minus that of the track. Hunt and Crossley's
+All drives have the largest push and gravity, along and normal to the floor in g, and `mu_s` and
+`mu_k`; the drive acceleration b is minus that of the track. Hunt and Crossley's
 contact F = k x^n (1 + b x') has the restitution e(d) of d = b v, v the speed of impact, whatever n
 and k (theory 18.3): d - ln(1 + d) = -e d - ln(1 - e d).
 """
@@ -29,11 +29,11 @@ from vibrafeed.core.motion.kernels.planar.flow import (
     NoWaves,
     SineDrive,
     kind_of,
+    mirrored_sine,
     phase_to,
     sine_acceleration,
     sine_flow,
     sine_rounded,
-    upright,
 )
 from vibrafeed.core.motion.kernels.planar.wave import WaveDrive
 
@@ -47,7 +47,7 @@ def _by_drive(for_sine: Any, for_wave: Any) -> Any:
     return by_type("drive", {SineDrive: for_sine, WaveDrive: for_wave})(for_sine.py_func)
 
 
-@by_type("waves", {NoWaves: upright, wave.WaveTable: wave.wave_of})
+@by_type("waves", {NoWaves: mirrored_sine, wave.WaveTable: wave.wave_of})
 def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float]:
     """Return the drive of a cell, its phase shift in rad and its direction sign."""
     raise NotImplementedError
@@ -69,8 +69,8 @@ flow: Callable[[Drive, int, float, float, float], tuple[float, float]] = _by_dri
     sine_flow, wave.flow
 )
 
-next_of_way: Callable[[Drive, int, float, bool], float] = _by_drive(
-    sine_motion.next_of_way, wave.next_of_way
+next_crossing: Callable[[Drive, int, float, bool], float] = _by_drive(
+    sine_motion.next_crossing, wave.next_crossing
 )
 
 
@@ -81,7 +81,9 @@ def push(drive: Drive, tau: float) -> tuple[float, float]:
     Minus the acceleration of the track: that of a part in the air, plus gravity along, sin(gamma),
     and onto the floor, n (theory 13.2, 13.14).
     """
-    return acceleration(drive, AIR, tau) + drive.gs, acceleration(drive, NORMAL, tau) + drive.gn
+    return acceleration(drive, AIR, tau) + drive.gravity_along, acceleration(
+        drive, NORMAL, tau
+    ) + drive.gravity_normal
 
 
 push_slope: Callable[[Drive, float], tuple[float, float]] = _by_drive(
@@ -123,12 +125,12 @@ landing: Callable[[Drive, float, float], float] = _by_drive(
 
 
 @borrowing
-def rise(drive: Drive, w: float, tau: float, d: float) -> tuple[float, float]:
+def rise(drive: Drive, take_off: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity off the floor and height at the phase `d` after take-off at phase `tau`.
 
-    w1 = w + integral of (b_z - n) in g/w, and the integral of w1 in g/w^2 (theory 13.2).
+    w1 = `take_off` + integral of (b_z - n) in g/w, and the integral of w1 in g/w^2 (theory 13.2).
     """
-    return flow(drive, NORMAL, w, tau, d)
+    return flow(drive, NORMAL, take_off, tau, d)
 
 
 hop_height: Callable[[Drive, float, float, float, float], float] = _by_drive(
@@ -137,20 +139,21 @@ hop_height: Callable[[Drive, float, float, float, float], float] = _by_drive(
 
 
 @borrowing
-def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
+def fly(drive: Drive, slip: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance along the track at the phase `d` of a flight.
 
-    u1 = u + integral of (b_x - sin(gamma)) in g/w, and the integral of u1 in g/w^2 (theory 13.2).
+    u1 = `slip` + integral of (b_x - sin(gamma)) in g/w, and the integral of u1 in g/w^2 (theory
+    13.2).
     """
-    return flow(drive, AIR, u, tau, d)
+    return flow(drive, AIR, slip, tau, d)
 
 
-air_swings: Callable[[Drive, float, float], tuple[float, float]] = _by_drive(
-    sine_motion.air_swings, wave_motion.air_swings
+air_integrals: Callable[[Drive, float, float], tuple[float, float]] = _by_drive(
+    sine_motion.air_integrals, wave_motion.air_integrals
 )
 
-swung_along: Callable[[Drive, float, float, float, float], tuple[float, float]] = _by_drive(
-    sine_motion.swung_along, wave_motion.swung_along
+along_from_integrals: Callable[[Drive, float, float, float, float], tuple[float, float]] = (
+    _by_drive(sine_motion.along_from_integrals, wave_motion.along_from_integrals)
 )
 
 
@@ -170,24 +173,24 @@ def holds(drive: Drive, at: float) -> bool:
 
 
 @borrowing
-def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
-    """Return True if a part without slip sticks at phase `at`, its last phase, and the slip after.
+def hold(drive: Drive, phase: float, end: float) -> tuple[bool, float, bool]:
+    """Return True if a part without slip sticks at a phase, its last phase, and the slip after.
 
-    The last phase is `end` at the latest, `at` if it does not stick; the third value is True for a
-    slip forward.
+    The last phase is `end` at the latest, `phase` if it does not stick; the third value is True for
+    a slip forward.
     """
-    if not holds(drive, at):
-        return False, at, acceleration(drive, AIR, at) > 0.0
-    forward = next_of_way(drive, STATIC_FORWARD, at, True)
-    backward = next_of_way(drive, STATIC_BACKWARD, at, False)
-    return True, min(forward, backward, end), forward < backward
+    if not holds(drive, phase):
+        return False, phase, acceleration(drive, AIR, phase) > 0.0
+    forward_slip = next_crossing(drive, STATIC_FORWARD, phase, True)
+    backward_slip = next_crossing(drive, STATIC_BACKWARD, phase, False)
+    return True, min(forward_slip, backward_slip, end), forward_slip < backward_slip
 
 
 @borrowing
 def first_slip(drive: Drive, tau: float) -> float:
     """Return the phase in rad from `tau` on at which a part that never lifts off starts to slip."""
-    forward = next_of_way(drive, STATIC_FORWARD, tau, True)
-    slip = min(forward, next_of_way(drive, STATIC_BACKWARD, tau, False))
+    forward = next_crossing(drive, STATIC_FORWARD, tau, True)
+    slip = min(forward, next_crossing(drive, STATIC_BACKWARD, tau, False))
     return slip if slip < math.inf else math.nan
 
 
@@ -197,12 +200,12 @@ always_holds: Callable[[Drive], bool] = _by_drive(
 
 
 @borrowing
-def slide(drive: Drive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
-    """Return slip velocity and distance at the phase `d` after slip velocity `u`, in g/w and g/w^2.
+def slide(drive: Drive, sign: float, slip: float, phase: float, d: float) -> tuple[float, float]:
+    """Return slip velocity and distance a phase `d` after `slip`, in g/w and g/w^2.
 
-    u' = b_x - sin(gamma) - `sign` mu_k n(tau) from phase `at` on (theory 13.2).
+    u' = b_x - sin(gamma) - `sign` mu_k n(tau) from phase `phase` on (theory 13.2).
     """
-    return flow(drive, kind_of(sign), u, at, d)
+    return flow(drive, kind_of(sign), slip, phase, d)
 
 
 @borrowing
@@ -215,8 +218,8 @@ stop_after: Callable[[Drive, float, float, float, float], float] = _by_drive(
     sine_motion.stop_after, wave_motion.stop_after
 )
 
-two_sided: Callable[[Drive], tuple[float, float]] = _by_drive(
-    sine_motion.two_sided, wave_motion.two_sided
+sliding_without_stick: Callable[[Drive], tuple[float, float]] = _by_drive(
+    sine_motion.sliding_without_stick, wave_motion.sliding_without_stick
 )
 
 slip_uncertainty: Callable[[Drive], float] = _by_drive(
@@ -258,9 +261,9 @@ def hunt_crossley(number: float) -> float:
     s (theory 18.3).
     """
     t = math.log1p(number)
-    known = excess(t)
+    excess_before = excess(t)
     for _ in range(STEPS):
-        step = (excess(-t) - known) / math.expm1(-t)
+        step = (excess(-t) - excess_before) / math.expm1(-t)
         t += step
         if abs(step) <= CONVERGED * t:
             break
@@ -268,49 +271,53 @@ def hunt_crossley(number: float) -> float:
 
 
 @compiled
-def rebound(e: Restitution, speed: float) -> tuple[float, float]:
+def rebound(restitution: Restitution, speed: float) -> tuple[float, float]:
     """Return the rebound speed after an impact on the floor, and its derivative by impact speed.
 
     In g/w; eps v and eps, or by Hunt and Crossley's law with damping b: e(d) v and (1 - e d)/((1 +
     d) e), d = b v. The derivative lies between 0 and 1, so that landings stay in their order
     (theory 18.3).
     """
-    if e.damping == 0.0:
-        return e.constant * speed, e.constant
-    number = e.damping * speed
+    if restitution.damping == 0.0:
+        return restitution.constant * speed, restitution.constant
+    number = restitution.damping * speed
     if number <= 0.0:
         return speed, 1.0
-    left = hunt_crossley(number)
-    return left / e.damping, (1.0 - left) * number / ((1.0 + number) * left)
+    rebound_number = hunt_crossley(number)
+    return rebound_number / restitution.damping, (1.0 - rebound_number) * number / (
+        (1.0 + number) * rebound_number
+    )
 
 
 @compiled
-def impulse(e: Restitution, speed: float, up: float) -> float:
+def impulse(restitution: Restitution, speed: float, rebound_speed: float) -> float:
     """Return the impulse per mass of an impact on the floor: speed before plus speed after."""
-    if e.damping == 0.0:
-        return (1.0 + e.constant) * speed
-    return speed + up
+    if restitution.damping == 0.0:
+        return (1.0 + restitution.constant) * speed
+    return speed + rebound_speed
 
 
 @compiled
-def rests(drive: Drive, tau: float, w: float, e: Restitution, settled: float) -> bool:
+def rests(
+    drive: Drive, tau: float, rebound_speed: float, restitution: Restitution, bound: float
+) -> bool:
     """True if a part that has just landed stays on the floor, its hops shrinking to nothing.
 
-    Without rebound if the floor presses it or it lands at a lift-off. With a rebound `w` if the
-    hops end within T = 2 w/(n (1 - eps)), w T < `settled` and T below a thousandth of the time to
+    Without rebound if the floor presses it or it lands at a lift-off. With a rebound w if the
+    hops end within T = 2 w/(n (1 - eps)), w T < `bound` and T below a thousandth of the time to
     lift-off (theory 13.5).
     """
-    n = load(drive, tau)
-    if w == 0:
-        return n > 0 or to_lift_off(drive, tau) == 0.0
-    if n <= 0:
+    load_at_landing = load(drive, tau)
+    if rebound_speed == 0:
+        return load_at_landing > 0 or to_lift_off(drive, tau) == 0.0
+    if load_at_landing <= 0:
         return False
-    if e.damping > 0:
-        return settles_softly(drive, tau, w, e.damping, settled)
-    if e.constant >= 1:
+    if restitution.damping > 0:
+        return settles_softly(drive, tau, rebound_speed, restitution.damping, bound)
+    if restitution.constant >= 1:
         return False
-    left = 2 * w / (n * (1 - e.constant))
-    return w * left < settled and left < SETTLED_TIME * to_lift_off(drive, tau)
+    time_left = 2 * rebound_speed / (load_at_landing * (1 - restitution.constant))
+    return rebound_speed * time_left < bound and time_left < SETTLED_TIME * to_lift_off(drive, tau)
 
 
 @compiled
@@ -320,30 +327,35 @@ def soft_time(drive: Drive, tau: float, damping: float) -> float:
 
 
 @compiled
-def left_at_lift_off(drive: Drive, tau: float, w: float, damping: float) -> float:
+def rebound_at_lift_off(drive: Drive, tau: float, rebound_speed: float, damping: float) -> float:
     """Return an upper bound of the rebound speed that small hops still have at the next lift-off.
 
-    w exp(-b J/3), with the impulse J of the floor from phase `tau` to lift-off (theory 18.3).
+    w exp(-b J/3), w = `rebound_speed`, with the impulse J of the floor from phase `tau` to lift-off
+    (theory 18.3).
     """
-    pressed = -rise(drive, 0.0, tau, to_lift_off(drive, tau))[0]
-    return w * math.exp(-damping * pressed / 3)
+    floor_impulse = -rise(drive, 0.0, tau, to_lift_off(drive, tau))[0]
+    return rebound_speed * math.exp(-damping * floor_impulse / 3)
 
 
 @compiled
-def settles_softly(drive: Drive, tau: float, w: float, damping: float, settled: float) -> bool:
+def settles_softly(
+    drive: Drive, tau: float, rebound_speed: float, damping: float, settled: float
+) -> bool:
     """True if hops whose restitution falls with speed are small enough to count as contact.
 
     w T below 3e-4 with T of `soft_time`, or below ten times that for a rough bound `settled`, and
     the rebound left at lift-off times `damping` below 2e-3 (theory 13.5).
     """
     bound = SETTLED_SOFTLY if settled <= SETTLED_EXACTLY else 10 * SETTLED_SOFTLY
-    if not w * soft_time(drive, tau, damping) < bound:
+    if not rebound_speed * soft_time(drive, tau, damping) < bound:
         return False
-    return damping * left_at_lift_off(drive, tau, w, damping) < LEFT_SOFTLY
+    return damping * rebound_at_lift_off(drive, tau, rebound_speed, damping) < LEFT_SOFTLY
 
 
 @compiled
-def left_out_softly(rows: Floats, count: int, drive: Drive, e: Restitution) -> tuple[float, float]:
+def soft_hop_errors(
+    segments: Floats, count: int, drive: Drive, restitution: Restitution
+) -> tuple[float, float]:
     """Return the effect of small hops taken as contact: position over mu_k, and speed left.
 
     Bounds of the error where hops never end: the sum of w T in g/w^2, with T of `soft_time`, and
@@ -351,9 +363,9 @@ def left_out_softly(rows: Floats, count: int, drive: Drive, e: Restitution) -> t
     13.5).
     """
     position, speed = 0.0, 0.0
-    for row in range(count if e.damping > 0 else 0):
-        tau, w = rows[row, SEGMENT.phase], rows[row, SEGMENT.impulse]
-        if rows[row, SEGMENT.take_off] < 0 and w > 0:
-            position += w * soft_time(drive, tau, e.damping)
-            speed = max(speed, left_at_lift_off(drive, tau, w, e.damping))
+    for segment in range(count if restitution.damping > 0 else 0):
+        tau, rebound_speed = segments[segment, SEGMENT.phase], segments[segment, SEGMENT.impulse]
+        if segments[segment, SEGMENT.take_off] < 0 and rebound_speed > 0:
+            position += rebound_speed * soft_time(drive, tau, restitution.damping)
+            speed = max(speed, rebound_at_lift_off(drive, tau, rebound_speed, restitution.damping))
     return position, speed

@@ -18,7 +18,7 @@ from vibrafeed.core.motion.kernels.planar.flow import (
     NORMAL,
     STATIC_FORWARD,
     TURN,
-    arc,
+    arc_terms,
 )
 from vibrafeed.core.motion.kernels.sine_sums import (
     SineSum,
@@ -50,19 +50,18 @@ SLACK = 1e-13
 class WaveDrive(NamedTuple):
     """A wave with gravity and friction, as a drive of planar motion.
 
-    `table` holds the rows of its accelerations, `c` and `s` bounds of its push along and normal in
-    g.
+    `table` holds the rows of its accelerations, the pushes are upper bounds in g.
     """
 
     table: Floats
     orders: int
     steps: int
-    gs: float
-    gn: float
+    gravity_along: float
+    gravity_normal: float
     mu_s: float
     mu_k: float
-    c: float
-    s: float
+    push_along: float
+    push_normal: float
 
 
 class WaveTable(NamedTuple):
@@ -80,17 +79,19 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float
     table = waves.table
     columns = wave_columns(row, GROUPS)
     orders, steps = columns.orders, columns.steps
-    gs, gn = cell.gravity_number_along, cell.gravity_number_normal
+    gravity_along, gravity_normal = cell.gravity_number_along, cell.gravity_number_normal
     mu_s, mu_k = cell.friction_static, cell.friction_kinetic
-    c, s = abs(cell.drive_number_along), abs(cell.drive_number_normal)
-    drive = WaveDrive(table, orders, steps, gs, gn, mu_s, mu_k, c, s)
+    push_along, push_normal = abs(cell.drive_number_along), abs(cell.drive_number_normal)
+    drive = WaveDrive(
+        table, orders, steps, gravity_along, gravity_normal, mu_s, mu_k, push_along, push_normal
+    )
     for step in range(steps):
         table[ENDS, step] = row[columns.ends + step]
         along, normal = row[columns.levels + step], row[columns.normal_levels + step]
         fill_kinds(drive, 0, step, along, normal)
-    for place in range(2 * orders if steps == 0 else 0):  # sines, then cosines
-        along, normal = row[columns.along + place], row[columns.normal + place]
-        fill_kinds(drive, place // orders, place % orders + 1, along, normal)
+    for index in range(2 * orders if steps == 0 else 0):  # sines, then cosines
+        along, normal = row[columns.along + index], row[columns.normal + index]
+        fill_kinds(drive, index // orders, index % orders + 1, along, normal)
     for kind in range(KINDS):
         if mu_s == mu_k and kind >= STATIC_FORWARD:
             copy(table[ROOTS + FORWARD + kind - STATIC_FORWARD], table[ROOTS + kind])
@@ -107,15 +108,15 @@ def fill_kinds(drive: WaveDrive, part: int, column: int, along: float, normal: f
     slips, with mu_k and with mu_s; `along` and `normal` are the coefficients of p_x and p_z in g,
     `part` is 0 for sines and steps, 1 for cosines (theory 13.14).
     """
-    table, gs, gn = drive.table, drive.gs, drive.gn
-    table[NORMAL + part, column], table[PULLS, NORMAL] = normal, gn
-    table[2 * AIR + part, column], table[PULLS, AIR] = along, gs
+    table, gravity_along, gravity_normal = drive.table, drive.gravity_along, drive.gravity_normal
+    table[NORMAL + part, column], table[PULLS, NORMAL] = normal, gravity_normal
+    table[2 * AIR + part, column], table[PULLS, AIR] = along, gravity_along
     for kind in range(FORWARD, KINDS):
         friction = drive.mu_k if kind < STATIC_FORWARD else drive.mu_s
         if kind % 2 == BACKWARD % 2:
             friction = -friction
         table[2 * kind + part, column] = along + friction * normal
-        table[PULLS, kind] = gs + friction * gn
+        table[PULLS, kind] = gravity_along + friction * gravity_normal
 
 
 @borrowing
@@ -127,6 +128,7 @@ def push_of(drive: WaveDrive, kind: int) -> SineSum:
 @borrowing
 def fill_passages(drive: WaveDrive, kind: int) -> None:
     """Fill the phases in [0, 2 pi) at which the part's acceleration changes sign, p(tau) = pull."""
+    # The row gets their number, then the phases, and in its last column 1 if the first one rises.
     table, row = drive.table, ROOTS + kind
     if drive.steps == 0:
         push = push_of(drive, kind)
@@ -139,18 +141,18 @@ def fill_passages(drive: WaveDrive, kind: int) -> None:
     count, last = 0, drive.steps - 1
     for step in range(drive.steps):
         # At the start of a step: the first follows on the last.
-        before = table[2 * kind, step - 1 if step > 0 else last] > table[PULLS, kind]
-        after = table[2 * kind, step] > table[PULLS, kind]
-        if before != after:
+        was_above = table[2 * kind, step - 1 if step > 0 else last] > table[PULLS, kind]
+        is_above = table[2 * kind, step] > table[PULLS, kind]
+        if was_above != is_above:
             count += 1
             table[row, count] = table[ENDS, step - 1] if step > 0 else 0.0
             if count == 1:
-                table[row, RISES] = 1.0 if after else 0.0
+                table[row, RISES] = 1.0 if is_above else 0.0
     table[row, 0] = float(count)
 
 
 @borrowing
-def folded(tau: float) -> float:
+def within_turn(tau: float) -> float:
     """Return a phase modulo 2 pi, tau - 2 pi floor(tau/2 pi), up to rounding."""
     return tau - TURN * math.floor(tau / TURN) if not 0.0 <= tau < TURN else tau
 
@@ -169,7 +171,7 @@ def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
     """Return the acceleration p(tau) - k of a part in one mode of motion under a wave, in g."""
     table = drive.table
     if drive.steps > 0:
-        return table[2 * kind, step_at(drive, folded(tau))] - table[PULLS, kind]
+        return table[2 * kind, step_at(drive, within_turn(tau))] - table[PULLS, kind]
     value, _ = value_and_slope(push_of(drive, kind), tau)
     return value - table[PULLS, kind]
 
@@ -181,14 +183,14 @@ def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
     count = int(table[row, 0])
     if count == 0:
         return math.inf, False
-    within = folded(tau)
-    start, rises = tau - within, table[row, RISES] > 0.0
-    for number in range(1, count + 1):
-        if table[row, number] >= within - SLACK:
-            return max(tau, start + table[row, number]), rises
+    phase = within_turn(tau)
+    turn_start, rises = tau - phase, table[row, RISES] > 0.0
+    for index in range(1, count + 1):
+        if table[row, index] >= phase - SLACK:
+            return max(tau, turn_start + table[row, index]), rises
         rises = not rises
     rises = table[row, RISES] > 0.0
-    return max(tau, start + TURN + table[row, 1]), rises
+    return max(tau, turn_start + TURN + table[row, 1]), rises
 
 
 @borrowing
@@ -198,12 +200,12 @@ def later_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]
 
 
 @borrowing
-def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
+def next_crossing(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
     """Return the first phase from `tau` on at which an acceleration rises, or falls, through 0."""
-    at, rises = next_passage(drive, kind, tau)
-    if rises != rising and at < math.inf:
-        at, rises = later_passage(drive, kind, at)
-    return at if rises == rising else math.inf
+    crossing, rises = next_passage(drive, kind, tau)
+    if rises != rising and crossing < math.inf:
+        crossing, rises = later_passage(drive, kind, crossing)
+    return crossing if rises == rising else math.inf
 
 
 @borrowing
@@ -218,36 +220,39 @@ def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, fl
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
     sine, cosine, slope, push, first, second = sine_1, cosine_1, 0.0, 0.0, 0.0, 0.0
     for k in range(1, drive.orders + 1):
-        a, b, part = table[sines, k], table[cosines, k], INVERSE[k]
-        value, change = a * sine + b * cosine, a * cosine - b * sine
+        sine_part, cosine_part, inverse = table[sines, k], table[cosines, k], INVERSE[k]
+        value, change = (
+            sine_part * sine + cosine_part * cosine,
+            sine_part * cosine - cosine_part * sine,
+        )
         slope += k * change
         push += value
-        first -= change * part
-        second -= value * (part * part)
+        first -= change * inverse
+        second -= value * (inverse * inverse)
         sine, cosine = sine * cosine_1 + cosine * sine_1, cosine * cosine_1 - sine * sine_1
     return slope, push, first, second
 
 
 @borrowing
-def speed_from(
-    drive: WaveDrive, kind: int, v: float, tau: float, start: float, d: float
+def velocity_from(
+    drive: WaveDrive, kind: int, start_velocity: float, tau: float, push_integral: float, d: float
 ) -> tuple[float, float, float]:
     """Return velocity, acceleration and its derivative of a part after a phase `d`, under a wave.
 
     v - k D + P1(tau + D) - P1(tau), p(tau + D) - k and p'(tau + D), with the push p, its integral
-    P1 and the pull k; `start` is P1(tau).
+    P1 and the pull k; `push_integral` is P1(tau).
     """
     if drive.steps > 0:
-        force = acceleration(drive, kind, tau + d)
-        return stepped_flow(drive, kind, v, tau, d)[0], force, 0.0
+        net_push = acceleration(drive, kind, tau + d)
+        return stepped_flow(drive, kind, start_velocity, tau, d)[0], net_push, 0.0
     pull = drive.table[PULLS, kind]
-    slope, push, speed, _ = integrals(drive, kind, tau + d)
-    return v - pull * d + (speed - start), push - pull, slope
+    slope, push, integral, _ = integrals(drive, kind, tau + d)
+    return start_velocity - pull * d + (integral - push_integral), push - pull, slope
 
 
 @borrowing
-def speed_start(drive: WaveDrive, kind: int, tau: float) -> float:
-    """Return the integral P1(tau) of a kind's push that `speed_from` takes as `start`."""
+def push_integral_at(drive: WaveDrive, kind: int, tau: float) -> float:
+    """Return the integral P1(tau) of a kind's push that `velocity_from` takes as `start`."""
     return 0.0 if drive.steps > 0 else integrals(drive, kind, tau)[2]
 
 
@@ -264,16 +269,16 @@ def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[f
     pull = drive.table[PULLS, kind]
     velocity, distance = v - pull * d, v * d - 0.5 * pull * d * d
     if drive.orders * d < NEAR:
-        more, further = near_flow(drive, kind, tau, d)
-        return velocity + more, distance + further
+        velocity_gain, distance_gain = short_flow(drive, kind, tau, d)
+        return velocity + velocity_gain, distance + distance_gain
     # As differences of the integrals: a long flow loses nothing by them.
-    _, _, speed, place = integrals(drive, kind, tau)
-    _, _, speed_after, place_after = integrals(drive, kind, tau + d)
-    return velocity + (speed_after - speed), distance + (place_after - place - speed * d)
+    _, _, first, second = integrals(drive, kind, tau)
+    _, _, first_after, second_after = integrals(drive, kind, tau + d)
+    return velocity + (first_after - first), distance + (second_after - second - first * d)
 
 
 @borrowing
-def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float, float]:
+def short_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance that the push of a wave gives over a short phase `d`.
 
     A term of order k, value p and derivative over k p', turns by K = k D and gives (p sin K + p' (1
@@ -283,10 +288,13 @@ def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float,
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
     sine, cosine, velocity, distance = sine_1, cosine_1, 0.0, 0.0
     for k in range(1, drive.orders + 1):
-        a, b, turned = table[sines, k], table[cosines, k], k * d
-        value, change = a * sine + b * cosine, a * cosine - b * sine
-        cubic, square = arc(turned)
-        velocity += (value * (turned - cubic) + change * square) * INVERSE[k]
+        sine_part, cosine_part, angle = table[sines, k], table[cosines, k], k * d
+        value, change = (
+            sine_part * sine + cosine_part * cosine,
+            sine_part * cosine - cosine_part * sine,
+        )
+        cubic, square = arc_terms(angle)
+        velocity += (value * (angle - cubic) + change * square) * INVERSE[k]
         distance += (value * square + change * cubic) * (INVERSE[k] * INVERSE[k])
         sine, cosine = sine * cosine_1 + cosine * sine_1, cosine * cosine_1 - sine * sine_1
     return velocity, distance
@@ -301,46 +309,53 @@ def stepped_flow(
     In each step x -> x + (v + a D/2) D and v -> v + a D (theory 13.14).
     """
     table, pull = drive.table, drive.table[PULLS, kind]
-    at, left, distance = folded(tau), d, 0.0
-    step = step_at(drive, at)
+    phase, remaining, distance = within_turn(tau), d, 0.0
+    step = step_at(drive, phase)
     while True:
         end = table[ENDS, step]
-        span = max(0.0, min(end - at, left))
-        force = table[2 * kind, step] - pull
-        distance += (v + 0.5 * force * span) * span
-        v += force * span
-        left -= span
-        if left <= 0.0:
+        span = max(0.0, min(end - phase, remaining))
+        net_push = table[2 * kind, step] - pull
+        distance += (v + 0.5 * net_push * span) * span
+        v += net_push * span
+        remaining -= span
+        if remaining <= 0.0:
             return v, distance
         step += 1
-        at = end
+        phase = end
         if step == drive.steps:
-            step, at = 0, 0.0
+            step, phase = 0, 0.0
 
 
 @borrowing
 def zero_of_velocity(
-    drive: WaveDrive, kind: int, v: float, tau: float, start: float, low: float, high: float,
-    first: float, last: float,
+    drive: WaveDrive, kind: int, start_velocity: float, tau: float, push_integral: float,
+    low: float, high: float, velocity_at_low: float, velocity_at_high: float,
 ) -> float:  # fmt: skip
     """Return the phase between `low` and `high` at which a monotonic velocity under a wave is 0."""
-    rises = last > first
-    d = low + (high - low) * first / (first - last) if first * last < 0.0 else 0.5 * (low + high)
+    # Halley's steps within the bracket, else halving; `push_integral` is that of `velocity_from`.
+    rises = velocity_at_high > velocity_at_low
+    d = (
+        low + (high - low) * velocity_at_low / (velocity_at_low - velocity_at_high)
+        if velocity_at_low * velocity_at_high < 0.0
+        else 0.5 * (low + high)
+    )
     for _ in range(MAX_ITERATIONS):
-        value, force, slope = speed_from(drive, kind, v, tau, start, d)
-        if (value > 0.0) == rises:
+        velocity, net_push, slope = velocity_from(
+            drive, kind, start_velocity, tau, push_integral, d
+        )
+        if (velocity > 0.0) == rises:
             high = d
         else:
             low = d
-        new = d - halley(value, force, slope)
-        short = low <= new <= high and abs(new - d) <= LAST_STEP * d
-        if short and is_near_root(value, force, slope, LAST_STEP):
-            return new
-        if not low < new < high:
-            new = 0.5 * (low + high)
-            if new in (low, high):
-                return new
-        d = new
+        next_d = d - halley(velocity, net_push, slope)
+        is_small_step = low <= next_d <= high and abs(next_d - d) <= LAST_STEP * d
+        if is_small_step and is_near_root(velocity, net_push, slope, LAST_STEP):
+            return next_d
+        if not low < next_d < high:
+            next_d = 0.5 * (low + high)
+            if next_d in (low, high):
+                return next_d
+        d = next_d
     return d
 
 

@@ -25,7 +25,7 @@ from vibrafeed.core.motion.kernels.constants import (
     UNREPEATED,
 )
 from vibrafeed.core.motion.kernels.inputs import Cell, Floats, Stop
-from vibrafeed.core.motion.kernels.planar.along import after_hops
+from vibrafeed.core.motion.kernels.planar.along import slip_after_hops
 from vibrafeed.core.motion.kernels.planar.chaos import (
     HOPS_PER_PERIOD,
     MAX_STARTS,
@@ -34,24 +34,25 @@ from vibrafeed.core.motion.kernels.planar.chaos import (
     SEARCHES,
     SETTLED_ROUGHLY,
     batch_error,
+    contact_to_lift_off,
+    distribute_distance,
     first_flight,
-    jolted,
-    share_out,
-    slowed,
-    stay,
+    jolt_speed,
+    slip_after_landing,
 )
 from vibrafeed.core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
     find_cycle,
-    is_owned,
+    matches_and_stores,
     write_segment,
 )
-from vibrafeed.core.motion.kernels.planar.flow import TURN, kept
+from vibrafeed.core.motion.kernels.planar.flow import TURN, rounded_to_32_bits
 from vibrafeed.core.motion.kernels.planar.plane_laws import (
     Drive,
     Restitution,
-    air_swings,
+    air_integrals,
+    along_from_integrals,
     hop_height,
     impulse,
     landing,
@@ -60,7 +61,6 @@ from vibrafeed.core.motion.kernels.planar.plane_laws import (
     rests,
     rise,
     rounded,
-    swung_along,
     to_lift_off,
 )
 
@@ -72,11 +72,13 @@ FIRST_ROOM = 256  # landings of a run for which there is room at first; it doubl
 ON_ITS_WAY, ENDED = 0.0, 1.0
 """Whether more landings of a run can be found."""
 
-Landing = namedtuple("Landing", "phase span speed rebound stays fastest highest swing sway")
+Landing = namedtuple(
+    "Landing", "phase span speed rebound stays fastest highest air_velocity air_distance"
+)
 """Columns of the landings of a run, of the flight that ends there, in rad, g/w and g/w^2.
 
 `stays` is 1 if the part then stays on the floor; `fastest` and `highest` are the largest of the run
-so far; `swing` and `sway` are the flight's `air_swings`.
+so far; the last two are the flight's `air_integrals`.
 """
 
 Normal = namedtuple("Normal", "phase rebound time landings hops look jolt ended")
@@ -93,7 +95,7 @@ LANDING, NORMAL = Landing(*range(len(Landing._fields))), Normal(*range(len(Norma
 
 
 @compiled
-def no_landings() -> Landings:
+def empty_landings() -> Landings:
     """Return room for the landings of eight runs, which belong to no motion yet."""
     return Landings(
         np.full(5, math.nan),
@@ -104,93 +106,133 @@ def no_landings() -> Landings:
 
 
 @compiled
-def belong_to(landings: Landings, drive: Drive, e: Restitution, phase: float) -> None:
+def reset_unless_of(
+    landings: Landings, drive: Drive, restitution: Restitution, phase: float
+) -> None:
     """Make `landings` those of a motion: kept if they are, else begun with its first lift-offs."""
-    if is_owned(landings.owner, drive, e, phase):
+    if matches_and_stores(landings.owner, drive, restitution, phase):
         return
     sums, no_log = np.zeros(SUMS), np.empty((0, len(PIECE)))
     landings.states[:] = 0.0
     landings.tables[:, 0] = 0.0
-    for number in range(PHASES):
-        state = landings.states[number]
-        _, w, tau, time, _ = first_flight(number, phase, drive, sums, no_log)
-        state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time] = tau, w * APART, time
-        state[NORMAL.look], state[NORMAL.jolt] = FIRST_LOOK, number
+    for index in range(PHASES):
+        state = landings.states[index]
+        _, take_off, tau, time, _ = first_flight(index, phase, drive, sums, no_log)
+        state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time] = tau, take_off * APART, time
+        state[NORMAL.look], state[NORMAL.jolt] = FIRST_LOOK, index
 
 
 @compiled
-def with_room(landings: Landings) -> Landings:
+def with_double_room(landings: Landings) -> Landings:
     """Return the same landings with room for twice as many."""
-    room = landings.tables.shape[1]
-    tables = np.empty((PHASES, 2 * room, len(LANDING)))
-    tables[:, :room] = landings.tables
+    capacity = landings.tables.shape[1]
+    tables = np.empty((PHASES, 2 * capacity, len(LANDING)))
+    tables[:, :capacity] = landings.tables
     return Landings(landings.owner, landings.states, landings.segments, tables)
 
 
 @compiled
 def write_landing(
-    row: Floats, largest: Floats, drive: Drive, e: Restitution, tau: float, w: float, span: float
+    row: Floats,
+    largest_so_far: Floats,
+    drive: Drive,
+    restitution: Restitution,
+    tau: float,
+    take_off: float,
+    span: float,
 ) -> None:
     """Write into `row` (columns of `LANDING`) the landing after a flight of `span` rad."""
-    speed = max(0.0, -rise(drive, w, tau, span)[0])
-    up = rebound(e, speed)[0]
-    row[LANDING.fastest] = max(largest[0], speed)
-    row[LANDING.highest] = hop_height(drive, w, tau, span, largest[1])
+    landing_speed = max(0.0, -rise(drive, take_off, tau, span)[0])
+    rebound_speed = rebound(restitution, landing_speed)[0]
+    row[LANDING.fastest] = max(largest_so_far[0], landing_speed)
+    row[LANDING.highest] = hop_height(drive, take_off, tau, span, largest_so_far[1])
     row[LANDING.phase], row[LANDING.span] = tau, span
-    row[LANDING.speed], row[LANDING.rebound] = speed, up
-    stays = rests(drive, (tau + span) % TURN, up, e, SETTLED_ROUGHLY)
+    row[LANDING.speed], row[LANDING.rebound] = landing_speed, rebound_speed
+    stays = rests(drive, (tau + span) % TURN, rebound_speed, restitution, SETTLED_ROUGHLY)
     row[LANDING.stays] = 1.0 if stays else 0.0
-    row[LANDING.swing], row[LANDING.sway] = air_swings(drive, tau, span)
+    row[LANDING.air_velocity], row[LANDING.air_distance] = air_integrals(drive, tau, span)
 
 
 @compiled
-def land_until(
-    landings: Landings, number: int, until: float, drive: Drive, e: Restitution, stop: Stop
+def find_landings_until(
+    landings: Landings,
+    run_index: int,
+    until: float,
+    drive: Drive,
+    restitution: Restitution,
+    stop: Stop,
 ) -> bool:
-    """Find the landings of run `number` up to the time `until`; False if there is no more room.
+    """Find the landings of run `run_index` up to the time `until`; False if there is no more room.
 
     A run `ended` if it nears a cycle, hops too often, or a landing is not found; after the same
     landing, however far it is followed at a time. True if `stop` interrupts.
     """
-    state, table = landings.states[number], landings.tables[number]
-    is_searched = number < SEARCHES
-    rows = landings.segments[min(number, SEARCHES - 1)]
-    tau, w, time = state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time]
-    landed, count = int(state[NORMAL.landings]), int(state[NORMAL.hops])
-    look_at, jolt = int(state[NORMAL.look]), int(state[NORMAL.jolt])
+    state, table = landings.states[run_index], landings.tables[run_index]
+    is_searched = run_index < SEARCHES
+    segments = landings.segments[min(run_index, SEARCHES - 1)]
+    tau, take_off, time = state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time]
+    landing_count, hop_count = int(state[NORMAL.landings]), int(state[NORMAL.hops])
+    next_search, jolt_number = int(state[NORMAL.look]), int(state[NORMAL.jolt])
     has_room = True
     while time < until and state[NORMAL.ended] == ON_ITS_WAY:
-        has_room = landed < table.shape[0]
+        has_room = landing_count < table.shape[0]
         if not has_room or raised(stop):
             break
-        span = landing(drive, w, tau)
-        if span < 0 or landed > HOPS_PER_PERIOD * time / TURN + FIRST_LOOK:
+        span = landing(drive, take_off, tau)
+        if span < 0 or landing_count > HOPS_PER_PERIOD * time / TURN + FIRST_LOOK:
             state[NORMAL.ended] = ENDED
             break
-        row = table[landed]
-        write_landing(row, table[max(0, landed - 1), LANDING.fastest :], drive, e, tau, w, span)
-        speed, up, stays = row[LANDING.speed], row[LANDING.rebound], row[LANDING.stays] > 0.0
-        at = (tau + span) % TURN
-        landed += 1
+        row = table[landing_count]
+        write_landing(
+            row,
+            table[max(0, landing_count - 1), LANDING.fastest :],
+            drive,
+            restitution,
+            tau,
+            take_off,
+            span,
+        )
+        landing_speed, rebound_speed, stays = (
+            row[LANDING.speed],
+            row[LANDING.rebound],
+            row[LANDING.stays] > 0.0,
+        )
+        landing_phase = (tau + span) % TURN
+        landing_count += 1
         if is_searched:
-            write_segment(rows, count, tau, span, w, speed, impulse(e, speed, up))
-        count += 1
-        tau, w, time = at, up, time + span
+            write_segment(
+                segments,
+                hop_count,
+                tau,
+                span,
+                take_off,
+                landing_speed,
+                impulse(restitution, landing_speed, rebound_speed),
+            )
+        hop_count += 1
+        tau, take_off, time = landing_phase, rebound_speed, time + span
         if stays:
-            jolt += MAX_STARTS
-            tau, w = lift_off(drive, at), jolted(jolt, drive.gn)
-            time += to_lift_off(drive, at)
-            count, look_at = 0, FIRST_LOOK
-        elif is_searched and count >= look_at:
-            look_at = count + count // 2
-            if find_cycle(drive, e, rows, count, tau, w)[0]:
-                landed -= 1
+            jolt_number += MAX_STARTS
+            tau, take_off = (
+                lift_off(drive, landing_phase),
+                jolt_speed(jolt_number, drive.gravity_normal),
+            )
+            time += to_lift_off(drive, landing_phase)
+            hop_count, next_search = 0, FIRST_LOOK
+        elif is_searched and hop_count >= next_search:
+            next_search = hop_count + hop_count // 2
+            if find_cycle(drive, restitution, segments, hop_count, tau, take_off)[0]:
+                landing_count -= 1
                 state[NORMAL.ended] = ENDED
-        if count >= HOP_CAPACITY - LONGEST_CYCLE - 2:
-            count, look_at = 0, FIRST_LOOK
-    state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time] = tau, w, time
-    state[NORMAL.landings], state[NORMAL.hops], state[NORMAL.look] = landed, count, look_at
-    state[NORMAL.jolt] = jolt
+        if hop_count >= HOP_CAPACITY - LONGEST_CYCLE - 2:
+            hop_count, next_search = 0, FIRST_LOOK
+    state[NORMAL.phase], state[NORMAL.rebound], state[NORMAL.time] = tau, take_off, time
+    state[NORMAL.landings], state[NORMAL.hops], state[NORMAL.look] = (
+        landing_count,
+        hop_count,
+        next_search,
+    )
+    state[NORMAL.jolt] = jolt_number
     return has_room
 
 
@@ -218,43 +260,58 @@ TIME, IMPACTS, SLIP, MARK = SUMS, SUMS + 1, SUMS + 2, SUMS + 3
 
 
 @borrowing
-def start(runs: Runs, phase: float, drive: Drive, no_log: Floats) -> None:
+def start_runs(runs: Runs, phase: float, drive: Drive, no_log: Floats) -> None:
     """Fill states and sums of new `runs` with their first lift-offs from rest."""
-    for number in range(PHASES):
-        run = runs.states[number]
-        u, _, _, time, _ = first_flight(number, phase, drive, runs.sums[number], no_log)
-        run[RUN.slip], run[RUN.time] = u, time
+    for run_index in range(PHASES):
+        run = runs.states[run_index]
+        slip, _, _, time, _ = first_flight(run_index, phase, drive, runs.sums[run_index], no_log)
+        run[RUN.slip], run[RUN.time] = slip, time
 
 
 @borrowing
-def follow_on(
-    runs: Runs, number: int, until: float, landings: Landings, drive: Drive, no_log: Floats
+def follow_run_until(
+    runs: Runs, run_index: int, until: float, landings: Landings, drive: Drive, no_log: Floats
 ) -> bool:
     """Follow a run along the track up to the time `until`; False if its landings end before."""
-    run, sums, travel = runs.states[number], runs.sums[number], runs.travel[number]
-    table, landed = landings.tables[number], int(landings.states[number, NORMAL.landings])
-    u, time, hop = run[RUN.slip], run[RUN.time], int(run[RUN.impacts])
+    run, sums, travel = runs.states[run_index], runs.sums[run_index], runs.travel[run_index]
+    table, landing_count = (
+        landings.tables[run_index],
+        int(landings.states[run_index, NORMAL.landings]),
+    )
+    slip, time, hop = run[RUN.slip], run[RUN.time], int(run[RUN.impacts])
     period = int(time // TURN)
     while time < until:
-        if hop >= landed:
+        if hop >= landing_count:
             return False
         row = table[hop]
-        span, up, stays = row[LANDING.span], row[LANDING.rebound], row[LANDING.stays] > 0.0
-        u, distance = swung_along(drive, u, span, row[LANDING.swing], row[LANDING.sway])
-        u = slowed(u, drive.mu_k, row[LANDING.speed], 0.0 if stays else up)
+        span, rebound_speed, stays = (
+            row[LANDING.span],
+            row[LANDING.rebound],
+            row[LANDING.stays] > 0.0,
+        )
+        slip, distance = along_from_integrals(
+            drive, slip, span, row[LANDING.air_velocity], row[LANDING.air_distance]
+        )
+        slip = slip_after_landing(
+            slip, drive.mu_k, row[LANDING.speed], 0.0 if stays else rebound_speed
+        )
         hop += 1
-        began, covered = time, sums[DISTANCE]
+        time_before, distance_before = time, sums[DISTANCE]
         sums[DISTANCE] += distance
         sums[TIMES + MODE.flight] += span
         time += span
         if stays:
             tau = (row[LANDING.phase] + span) % TURN
-            u, _, span = stay(drive, tau, after_hops(drive, tau, u, up), sums, no_log)
+            slip, _, span = contact_to_lift_off(
+                drive, tau, slip_after_hops(drive, tau, slip, rebound_speed), sums, no_log
+            )
             time += span
-        period = share_out(travel, period, began, time, sums[DISTANCE] - covered)
-        if u * drive.gs >= 0:
+        period = distribute_distance(
+            travel, period, time_before, time, sums[DISTANCE] - distance_before
+        )
+        if slip * drive.gravity_along >= 0:
             run[RUN.upheld] = time
-    run[RUN.slip], run[RUN.time], run[RUN.impacts] = u, time, hop
+    run[RUN.slip], run[RUN.time], run[RUN.impacts] = slip, time, hop
     if hop > 0:
         run[RUN.fastest] = table[hop - 1, LANDING.fastest]
         run[RUN.highest] = table[hop - 1, LANDING.highest]
@@ -262,50 +319,58 @@ def follow_on(
 
 
 @borrowing
-def set_mark(runs: Runs, number: int, mark: int) -> None:
-    """Keep what run `number` of the `runs` has so far as its mark k = `mark`, of which few stay."""
-    run, own = runs.states[number], runs.marks[number, mark % (DROPPED + 1)]
+def set_mark(runs: Runs, run_index: int, mark: int) -> None:
+    """Keep what a run has so far as its mark k = `mark`, of which few stay."""
+    run, slot = runs.states[run_index], runs.marks[run_index, mark % (DROPPED + 1)]
     for column in range(SUMS):
-        own[column] = runs.sums[number, column]
-    own[TIME], own[IMPACTS], own[SLIP] = run[RUN.time], run[RUN.impacts], run[RUN.slip]
+        slot[column] = runs.sums[run_index, column]
+    slot[TIME], slot[IMPACTS], slot[SLIP] = run[RUN.time], run[RUN.impacts], run[RUN.slip]
 
 
 @borrowing
 def fill_quarters(travel: Floats, periods: int, size: int, quarters: Floats) -> None:
     """Fill in the mean velocities of the four quarters, of `size` periods each, of several runs."""
-    for number in range(travel.shape[0]):
+    for run_index in range(travel.shape[0]):
         for quarter in range(QUARTERS):
-            covered, first = 0.0, periods - (QUARTERS - quarter) * size
+            distance, first = 0.0, periods - (QUARTERS - quarter) * size
             for period in range(first, first + size):
-                covered += travel[number, period]
-            quarters[number, quarter] = covered / (size * TURN)
+                distance += travel[run_index, period]
+            quarters[run_index, quarter] = distance / (size * TURN)
 
 
 @borrowing
-def runs_off(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
+def run_slides_away(run: Floats, mark: Floats, sums: Floats, drive: Drive) -> bool:
     """True if a run has slipped downhill at all landings since a mark and is faster now."""
-    gs = drive.gs
-    faster = abs(run[RUN.slip]) > abs(mark[SLIP]) and run[RUN.upheld] <= mark[TIME]
-    held = TIMES + (MODE.forward if gs > 0 else MODE.backward), TIMES + MODE.stick
-    uphill = sums[held[0]] - mark[held[0]] + sums[held[1]] - mark[held[1]]
-    return drive.mu_k * drive.gn < abs(gs) and faster and uphill == 0
+    gravity_along = drive.gravity_along
+    gains_speed = abs(run[RUN.slip]) > abs(mark[SLIP]) and run[RUN.upheld] <= mark[TIME]
+    uphill_columns = (
+        TIMES + (MODE.forward if gravity_along > 0 else MODE.backward),
+        TIMES + MODE.stick,
+    )
+    uphill = (
+        sums[uphill_columns[0]]
+        - mark[uphill_columns[0]]
+        + sums[uphill_columns[1]]
+        - mark[uphill_columns[1]]
+    )
+    return drive.mu_k * drive.gravity_normal < abs(gravity_along) and gains_speed and uphill == 0
 
 
 @compiled
-def end_of(mark: int, most: int) -> int:
-    """Return the number of periods up to mark k = `mark` of a run, 2 x 2^(k/2), at most `most`."""
-    return min(most, round(FIRST_STAGE * 2.0 ** (0.5 * mark)))
+def periods_to_mark(mark: int, max_periods: int) -> int:
+    """Return the periods up to mark k = `mark` of a run, 2 x 2^(k/2), at most `max_periods`."""
+    return min(max_periods, round(FIRST_STAGE * 2.0 ** (0.5 * mark)))
 
 
 @borrowing
 def cut_error(travel: Floats, begin: int, end: int, velocity: float) -> float:
     """Return the error of mean velocities because runs end anywhere within a near repetition."""
     total = 0.0
-    for number in range(travel.shape[0]):
-        most = 0.0
+    for run_index in range(travel.shape[0]):
+        largest = 0.0
         for period in range(begin, end):
-            most = max(most, abs(travel[number, period] - velocity * TURN))
-        total += most
+            largest = max(largest, abs(travel[run_index, period] - velocity * TURN))
+        total += largest
     return total / (travel.shape[0] * (end - begin) * TURN)
 
 
@@ -320,65 +385,74 @@ def means_within(
     run nears a cycle, runs away or is too short.
     """
     drive = rounded(drive)
-    e = Restitution(kept(cell.restitution), kept(cell.impact_damping))
-    most = int(cell.max_periods) // PHASES
-    if most < end_of(FIRST_ASKED, most + 1):
+    restitution = Restitution(
+        rounded_to_32_bits(cell.restitution), rounded_to_32_bits(cell.impact_damping)
+    )
+    max_periods = int(cell.max_periods) // PHASES
+    if max_periods < periods_to_mark(FIRST_ASKED, max_periods + 1):
         return UNREPEATED, landings
-    belong_to(landings, drive, e, phase)
+    reset_unless_of(landings, drive, restitution, phase)
     runs, no_log = (
         Runs(
             np.zeros((PHASES, len(RUN))),
             np.zeros((PHASES, SUMS)),
-            np.zeros((PHASES, most)),
+            np.zeros((PHASES, max_periods)),
             np.zeros((PHASES, DROPPED + 1, MARK)),
         ),
         np.empty((0, len(PIECE))),
     )
     quarters = np.empty((PHASES, QUARTERS))
-    start(runs, phase, drive, no_log)
-    settled = drive.c / max(1e-300, drive.mu_k * drive.gn * TURN)
+    start_runs(runs, phase, drive, no_log)
+    settled_periods = drive.push_along / max(1e-300, drive.mu_k * drive.gravity_normal * TURN)
     mark, periods, error = 0, 0, math.inf
-    while periods < most:
-        periods, begin = end_of(mark, most), end_of(mark - DROPPED, most)
+    while periods < max_periods:
+        periods, first_period = (
+            periods_to_mark(mark, max_periods),
+            periods_to_mark(mark - DROPPED, max_periods),
+        )
         until = periods * TURN
-        for number in range(PHASES):
-            while landings.states[number, NORMAL.time] < until and not land_until(
-                landings, number, until, drive, e, stop
+        for run_index in range(PHASES):
+            while landings.states[run_index, NORMAL.time] < until and not find_landings_until(
+                landings, run_index, until, drive, restitution, stop
             ):
-                landings = with_room(landings)
-            if not follow_on(runs, number, until, landings, drive, no_log):
+                landings = with_double_room(landings)
+            if not follow_run_until(runs, run_index, until, landings, drive, no_log):
                 return UNREPEATED, landings
-            set_mark(runs, number, mark)
+            set_mark(runs, run_index, mark)
         mark += 1
         if mark <= FIRST_ASKED:
             continue
-        fill_quarters(runs.travel, periods, (periods - begin) // QUARTERS, quarters)
+        fill_quarters(runs.travel, periods, (periods - first_period) // QUARTERS, quarters)
         velocity = quarters.mean()
-        error = SHARE * batch_error(quarters) + cut_error(runs.travel, begin, periods, velocity)
-        if begin >= settled and error <= cell.tolerance * abs(velocity):
+        error = SHARE * batch_error(quarters) + cut_error(
+            runs.travel, first_period, periods, velocity
+        )
+        if first_period >= settled_periods and error <= cell.tolerance * abs(velocity):
             break
-    return fill(runs, mark, quarters, error, drive, result), landings
+    return fill_from_runs(runs, mark, quarters, error, drive, result), landings
 
 
 @compiled
-def fill(runs: Runs, end: int, quarters: Floats, error: float, drive: Drive, result: Floats) -> int:
+def fill_from_runs(
+    runs: Runs, next_mark: int, quarters: Floats, error: float, drive: Drive, result: Floats
+) -> int:
     """Fill `result` with means of eight runs; return the status, `UNREPEATED` if one runs away."""
-    marks = runs.marks[:, end % (DROPPED + 1)]
-    for number in range(PHASES):
-        if runs_off(runs.states[number], marks[number], runs.sums[number], drive):
+    marks = runs.marks[:, next_mark % (DROPPED + 1)]
+    for run_index in range(PHASES):
+        if run_slides_away(runs.states[run_index], marks[run_index], runs.sums[run_index], drive):
             return UNREPEATED
     result[:] = 0.0
     velocities = np.empty(PHASES)
-    for number in range(PHASES):
-        run, mark = runs.states[number], marks[number]
+    for run_index in range(PHASES):
+        run, mark = runs.states[run_index], marks[run_index]
         time = run[RUN.time] - mark[TIME]
         for mode in range(MODES):
-            spent = runs.sums[number, TIMES + mode] - mark[TIMES + mode]
-            result[COLUMN.stick + mode] += spent / (time * PHASES)
+            phase_in_mode = runs.sums[run_index, TIMES + mode] - mark[TIMES + mode]
+            result[COLUMN.stick + mode] += phase_in_mode / (time * PHASES)
         result[COLUMN.impacts] += (run[RUN.impacts] - mark[IMPACTS]) * TURN / (time * PHASES)
         result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], run[RUN.fastest])
         result[COLUMN.hop_height] = max(result[COLUMN.hop_height], run[RUN.highest])
-        velocities[number] = quarters[number].mean()
+        velocities[run_index] = quarters[run_index].mean()
     result[COLUMN.velocity] = quarters.mean()
     result[COLUMN.error] = error
     result[COLUMN.spread] = velocities.std() * math.sqrt(PHASES / (PHASES - 1.0))

@@ -2,9 +2,9 @@
 
 from vibrafeed.core.motion.kernels.rows.row_cells import (
     path_of_row,
-    path_of_waved_row,
+    path_of_wave_row,
     row_cells,
-    waved_row_cells,
+    wave_row_cells,
 )
 from vibrafeed.core.motion.kernels.rows.row_state import (
     AT,
@@ -23,7 +23,7 @@ __all__ = [
     "Head",
     "RowColumns",
     "path_of_row",
-    "path_of_waved_row",
+    "path_of_wave_row",
     "row_cells",
-    "waved_row_cells",
+    "wave_row_cells",
 ]

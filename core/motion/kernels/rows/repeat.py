@@ -52,7 +52,7 @@ class Past(NamedTuple):
 
 
 @compiled
-def past_of(row: Row) -> Past:
+def empty_past(row: Row) -> Past:
     """Return an empty buffer for the states of a row at the starts of the last periods."""
     size, parts, contacts = MULTIPLES + 1, row.mass.size, row.gap.size
     return Past(
@@ -62,88 +62,91 @@ def past_of(row: Row) -> Past:
 
 
 @compiled
-def keep(row: Row, air: Air, past: Past, period: int) -> None:
+def store_state(row: Row, air: Air, past: Past, period: int) -> None:
     """Store the state of a row at the start of period number `period` in the buffer `past`."""
-    at = period % (MULTIPLES + 1)
-    past.speed[at, :] = row.speed[: row.mass.size]
-    past.place[at, :] = row.place
-    past.gap[at, :] = row.gap
-    past.landing[at] = air.landing
+    slot = period % (MULTIPLES + 1)
+    past.speed[slot, :] = row.speed[: row.mass.size]
+    past.place[slot, :] = row.place
+    past.gap[slot, :] = row.gap
+    past.landing[slot] = air.landing
 
 
 @compiled
 def repeats(
-    row: Row, air: Air, past: Past, period: int, multiple: int, agrees: float, scale: float
+    row: Row, air: Air, past: Past, period: int, multiple: int, tolerance: float, scale: float
 ) -> bool:
     """True if the state of a row at period `period` equals that `multiple` periods before."""
-    at = (period - multiple) % (MULTIPLES + 1)
-    here, before = air.landing, past.landing[at]
-    if (here < math.inf) != (before < math.inf):
+    slot = (period - multiple) % (MULTIPLES + 1)
+    landing, landing_before = air.landing, past.landing[slot]
+    if (landing < math.inf) != (landing_before < math.inf):
         return False
-    if here < math.inf and abs(here - before) > agrees:
+    if landing < math.inf and abs(landing - landing_before) > tolerance:
         return False
     for i in range(row.mass.size):
-        if abs(row.speed[i] - past.speed[at, i]) > agrees * scale:
+        if abs(row.speed[i] - past.speed[slot, i]) > tolerance * scale:
             return False
     for i in range(row.gap.size):
-        grown = row.gap[i] - past.gap[at, i]
+        gap_growth = row.gap[i] - past.gap[slot, i]
         touched = past.touched[i] > period - multiple - 1
-        if abs(grown) > agrees * scale and (grown < 0.0 or touched):
+        # A gap may grow between parts that no longer touch: they separate for good.
+        if abs(gap_growth) > tolerance * scale and (gap_growth < 0.0 or touched):
             return False
     return True
 
 
 @compiled
-def cycle_of(row: Row, air: Air, past: Past, period: int, since: int, scale: float) -> int:
+def cycle_of(row: Row, air: Air, past: Past, period: int, counted_from: int, scale: float) -> int:
     """Return the periods, up to 12, after which a row repeats at period `period`; 0 if none."""
-    for cycle in range(1, min(MULTIPLES, period - 1 - since) + 1):
+    for cycle in range(1, min(MULTIPLES, period - 1 - counted_from) + 1):
         if repeats(row, air, past, period, cycle, AGREES, scale):
             return cycle
     return 0
 
 
 @compiled
-def shortest(
-    row: Row, air: Air, past: Past, period: int, cycle: int, nearly: float, scale: float
+def shortest_cycle(
+    row: Row, air: Air, past: Past, period: int, cycle: int, tolerance: float, scale: float
 ) -> int:
     """Return the smallest divisor of a row's `cycle` after which it nearly repeats at `period`."""
-    for part in range(1, cycle):
-        if cycle % part == 0 and repeats(row, air, past, period, part, nearly, scale):
-            return part
+    for divisor in range(1, cycle):
+        if cycle % divisor == 0 and repeats(row, air, past, period, divisor, tolerance, scale):
+            return divisor
     return cycle
 
 
 @compiled
-def remaining(row: Row, past: Past, period: int, cycle: int, since: int, scale: float) -> float:
+def remaining_transient(
+    row: Row, past: Past, period: int, cycle: int, counted_from: int, scale: float
+) -> float:
     """Return an estimate of what is left of a row's transient, in g/w.
 
     The largest d/(1 - q) of all velocities, with the changes d over the last `cycle` periods and q
     the ratio to those of the cycle before.
     """
-    size, left = MULTIPLES + 1, 0.0
-    known = 2 * cycle <= MULTIPLES and period - 2 * cycle >= since
-    at, earlier = (period - cycle) % size, (period - 2 * cycle) % size
+    size, largest = MULTIPLES + 1, 0.0
+    has_ratio = 2 * cycle <= MULTIPLES and period - 2 * cycle >= counted_from
+    slot, earlier_slot = (period - cycle) % size, (period - 2 * cycle) % size
     for i in range(row.mass.size):
-        last = abs(row.speed[i] - past.speed[at, i])
-        before = abs(past.speed[at, i] - past.speed[earlier, i])
-        if known and last > NOISE * scale:
-            ratio = (last + NOISE * scale) / max(before, last)
-            last /= 1.0 - min(ratio, LARGEST_RATIO)
-        left = max(left, last)
-    return left
+        change = abs(row.speed[i] - past.speed[slot, i])
+        change_before = abs(past.speed[slot, i] - past.speed[earlier_slot, i])
+        if has_ratio and change > NOISE * scale:
+            ratio = (change + NOISE * scale) / max(change_before, change)
+            change /= 1.0 - min(ratio, LARGEST_RATIO)
+        largest = max(largest, change)
+    return largest
 
 
 @compiled
 def platoons(
     row: Row, past: Past, period: int, multiple: int, scale: float, numbers: Floats
 ) -> int:
-    """Return the number of platoons of a row: groups of parts that separate for good."""
-    at = (period - multiple) % (MULTIPLES + 1)
+    """Return the count of platoons, groups that separate for good; fill each part's `numbers`."""
+    slot = (period - multiple) % (MULTIPLES + 1)
     count = 1
     for i in range(row.mass.size):
         numbers[i] = count
-        if i < row.mass.size - 1 and row.gap[i] - past.gap[at, i] > AGREES * scale:
-            count += past.touched[i] < period - multiple
+        if i < row.mass.size - 1 and row.gap[i] - past.gap[slot, i] > AGREES * scale:
+            count += past.touched[i] < period - multiple  # it opens, and was not closed since
     return count
 
 
@@ -151,14 +154,16 @@ def platoons(
 
 
 @compiled
-def hasten(row: Row, past: Past, period: int, since: int, scale: float) -> bool:
+def extrapolate_transient(
+    row: Row, past: Past, period: int, counted_from: int, scale: float
+) -> bool:
     """Move a row along its slow transient at the end of a period; True if it was moved.
 
     Velocities whose changes d fall by a steady ratio q go to their limit, by q/(1 - q) d (Aitken's
     extrapolation). Where gaps alone shrink, half of the gap that closes first is left out.
     """
     for lag in range(1, LAGS + 1):
-        if period - 3 * lag < since:
+        if period - 3 * lag < counted_from:
             return False
         if _extrapolate(row, past, period, lag, scale):
             return True
@@ -167,28 +172,38 @@ def hasten(row: Row, past: Past, period: int, since: int, scale: float) -> bool:
 
 @compiled
 def _extrapolate(row: Row, past: Past, period: int, lag: int, scale: float) -> bool:
+    # Aitken's extrapolation of each part's velocity from its last three changes over `lag` periods.
+    # False, with nothing moved, where the changes do not fall by one steady ratio.
     size, moves = MULTIPLES + 1, False
-    one, two, three = (period - lag) % size, (period - 2 * lag) % size, (period - 3 * lag) % size
+    slot_1, slot_2, slot_3 = (
+        (period - lag) % size,
+        (period - 2 * lag) % size,
+        (period - 3 * lag) % size,
+    )
     for i in range(row.mass.size):
-        last = row.speed[i] - past.speed[one, i]
-        before = past.speed[one, i] - past.speed[two, i]
-        first = past.speed[two, i] - past.speed[three, i]
+        change = row.speed[i] - past.speed[slot_1, i]
+        change_before = past.speed[slot_1, i] - past.speed[slot_2, i]
+        change_first = past.speed[slot_2, i] - past.speed[slot_3, i]
         row.value[i] = 0.0
-        if max(abs(last), abs(before)) <= AGREES * scale:
+        if max(abs(change), abs(change_before)) <= AGREES * scale:
             continue
-        if last * before <= 0.0 or before * first <= 0.0:
+        if change * change_before <= 0.0 or change_before * change_first <= 0.0:
             return False
-        ratio, noise = last / before, NOISE * scale / abs(last)
-        rest = max(0.0, 1.0 - ratio)
+        ratio, noise = change / change_before, NOISE * scale / abs(change)
+        one_minus_ratio = max(0.0, 1.0 - ratio)
         if ratio < SLOW or ratio > 1.0 + noise:
             return False
-        if abs(ratio - before / first) > ALIKE * rest + noise:
+        if abs(ratio - change_before / change_first) > ALIKE * one_minus_ratio + noise:
             return False
-        most = FARTHEST * scale
-        row.value[i] = last * ratio / rest if abs(last) * ratio < most * rest else most * sign(last)
+        largest_jump = FARTHEST * scale
+        row.value[i] = (
+            change * ratio / one_minus_ratio
+            if abs(change) * ratio < largest_jump * one_minus_ratio
+            else largest_jump * sign(change)
+        )
         moves = True
     if not moves:
-        return _draw_together(row, past, period, lag, scale)
+        return _shrink_gaps(row, past, period, lag, scale)
     for i in range(row.mass.size):
         row.speed[i] += row.value[i]
         if i > 0 and row.closed[i - 1] == 1:
@@ -198,18 +213,20 @@ def _extrapolate(row: Row, past: Past, period: int, lag: int, scale: float) -> b
 
 
 @compiled
-def _draw_together(row: Row, past: Past, period: int, lag: int, scale: float) -> bool:
-    at, cycles = (period - lag) % (MULTIPLES + 1), math.inf
+def _shrink_gaps(row: Row, past: Past, period: int, lag: int, scale: float) -> bool:
+    # Cycles are skipped in which gaps alone shrink: as many as leave half of the gap that closes
+    # first.
+    slot, cycles = (period - lag) % (MULTIPLES + 1), math.inf
     for i in range(row.gap.size):
-        grown = row.gap[i] - past.gap[at, i]
-        if abs(grown) > AGREES * scale and past.touched[i] > period - lag - 1:
+        gap_growth = row.gap[i] - past.gap[slot, i]
+        if abs(gap_growth) > AGREES * scale and past.touched[i] > period - lag - 1:
             return False
-        if grown < -AGREES * scale:
-            cycles = min(cycles, math.floor(NEARER * row.gap[i] / -grown))
+        if gap_growth < -AGREES * scale:
+            cycles = min(cycles, math.floor(NEARER * row.gap[i] / -gap_growth))
     if not 1.0 <= cycles < math.inf:
         return False
     for i in range(row.gap.size):
-        row.gap[i] += cycles * (row.gap[i] - past.gap[at, i])
+        row.gap[i] += cycles * (row.gap[i] - past.gap[slot, i])
     return True
 
 
@@ -234,20 +251,22 @@ def drifts(row: Row, past: Past, half: Floats, period: int, scale: float) -> boo
         return True
     error = mean_error(batches) + AGREES * scale
     for i in range(parts):
-        own = successive_means(half[:, TALLIES + i]) / TURN
-        if scatter(own) > error and not is_steady(own, AGREES * scale):
+        part_batches = successive_means(half[:, TALLIES + i]) / TURN
+        if scatter(part_batches) > error and not is_steady(part_batches, AGREES * scale):
             return True
-    back = min(MULTIPLES, period)
+    periods_back = min(MULTIPLES, period)
     for i in range(row.gap.size):
-        closes = row.gap[i] - past.gap[(period - back) % (MULTIPLES + 1), i] < -AGREES * scale
-        if closes and past.touched[i] < period - half.shape[0]:
+        is_closing = (
+            row.gap[i] - past.gap[(period - periods_back) % (MULTIPLES + 1), i] < -AGREES * scale
+        )
+        if is_closing and past.touched[i] < period - half.shape[0]:
             return True
     return False
 
 
 @compiled
-def finish(
-    row: Row, past: Past, means: Floats, period: int, cycle: int, left: float, scale: float,
+def fill_row_results(
+    row: Row, past: Past, means: Floats, period: int, cycle: int, transient: float, scale: float,
     result: Floats,
 ) -> int:  # fmt: skip
     """Write the means of a row, and return its status.
@@ -255,25 +274,27 @@ def finish(
     Over the cycle (`periodic`, `at_rest`), else over the second half of the periods (`aperiodic`;
     `limit_reached` if the row still drifts).
     """
-    parts, room = row.mass.size, (result.size - ROW_COLUMNS) // 2
+    parts, capacity = row.mass.size, (result.size - ROW_COLUMNS) // 2
     chosen = means[period - cycle : period] if cycle > 0 else means[period // 2 : period]
-    numbers = result[ROW_COLUMNS + room : ROW_COLUMNS + room + parts]
-    back = cycle if cycle > 0 else min(MULTIPLES, period)
-    result[COLUMN.platoons] = platoons(row, past, period, back, scale, numbers)
+    numbers = result[ROW_COLUMNS + capacity : ROW_COLUMNS + capacity + parts]
+    periods_back = cycle if cycle > 0 else min(MULTIPLES, period)
+    result[COLUMN.platoons] = platoons(row, past, period, periods_back, scale, numbers)
     result[COLUMN.multiple] = cycle
-    _write(chosen, result, numbers)
+    _write_means(chosen, result, numbers)
     if cycle > 0:
-        result[COLUMN.error], result[COLUMN.spread] = max(AGREES * scale, left), 0.0
+        result[COLUMN.error], result[COLUMN.spread] = max(AGREES * scale, transient), 0.0
         return int(STATUS.periodic if chosen[:, TALLY.moving].max() > 0.0 else STATUS.at_rest)
     batches = successive_means(row_means(chosen, parts))
     result[COLUMN.spread] = scatter(batches)
     result[COLUMN.error] = mean_error(batches) + AGREES * scale
-    late = drifts(row, past, chosen, period, scale)
-    return int(STATUS.limit_reached if late else STATUS.aperiodic)
+    still_drifts = drifts(row, past, chosen, period, scale)
+    return int(STATUS.limit_reached if still_drifts else STATUS.aperiodic)
 
 
 @compiled
-def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
+def _write_means(periods: Floats, result: Floats, numbers: Floats) -> None:
+    # `periods` has a row of sums for each period: `Tally`, the parts' distances, the integrals of
+    # the gaps. `numbers` are those of the parts' platoons.
     count, parts = periods.shape[0], numbers.size
     phase = count * TURN
     slowest, fastest, total = math.inf, -math.inf, 0.0
@@ -293,9 +314,9 @@ def _write(periods: Floats, result: Floats, numbers: Floats) -> None:
     result[COLUMN.stop_impulse] = struck / count
     result[COLUMN.stop_peak] = periods[:, TALLY.peak].max()
     result[COLUMN.stop_contact] = periods[:, TALLY.held].sum() / phase
-    together, swept = 0, 0.0
+    contacts_within, mean_gap_sum = 0, 0.0
     for i in range(parts - 1):
         if numbers[i] == numbers[i + 1]:
-            together += 1
-            swept += periods[:, TALLIES + parts + i].sum() / phase
-    result[COLUMN.gap] = swept / together if together > 0 else math.nan
+            contacts_within += 1
+            mean_gap_sum += periods[:, TALLIES + parts + i].sum() / phase
+    result[COLUMN.gap] = mean_gap_sum / contacts_within if contacts_within > 0 else math.nan

@@ -15,31 +15,31 @@ from vibrafeed.core.motion.kernels.rows.contact import (
     Driven,
     at_phase,
     backward_speed,
-    carried,
     chain_end,
-    closing,
+    change_over_span,
     collide,
     contact_until,
+    count_closing,
+    drive_double_integrals,
+    drive_integrals,
     first_rise,
+    first_touching_stop,
     flight,
-    gap_swept,
-    held_from,
-    hold,
-    is_held,
+    gap_integral_of_drive,
     is_lifted,
-    land,
+    land_all,
     least_friction,
-    least_pressed,
+    least_pressed_factor,
     lift_off,
+    open_unpressed_contacts,
     pushes,
     relative_push,
-    set_flows,
-    slide,
-    start,
-    stop_pressed,
+    release_from_stop,
+    set_accelerations,
+    start_movable_parts,
+    stop_impulse_and_peak,
     stop_until,
-    swept,
-    swung,
+    touches_stop,
 )
 from vibrafeed.core.motion.kernels.rows.repeat import (
     AGREES,
@@ -47,12 +47,12 @@ from vibrafeed.core.motion.kernels.rows.repeat import (
     MULTIPLES,
     Past,
     cycle_of,
-    finish,
-    hasten,
-    keep,
-    past_of,
-    remaining,
-    shortest,
+    empty_past,
+    extrapolate_transient,
+    fill_row_results,
+    remaining_transient,
+    shortest_cycle,
+    store_state,
 )
 from vibrafeed.core.motion.kernels.rows.row_sine import LONGEST_FLIGHT
 from vibrafeed.core.motion.kernels.rows.row_state import (
@@ -69,7 +69,7 @@ from vibrafeed.core.motion.kernels.rows.row_state import (
     drive_of,
     row_at,
 )
-from vibrafeed.core.motion.kernels.rows.row_wave import waved_of
+from vibrafeed.core.motion.kernels.rows.row_wave import wave_drive_of
 
 Event = namedtuple("Event", "span kind part")
 """The phase until it happens, what it is, and the part, or the contact, that it begins with."""
@@ -84,19 +84,19 @@ of their gap, which is left out, is of the order of its square."""
 
 
 @borrowing
-def refreshed(
+def update_after_event(
     row: Row, drive: Driven, level: float, tau: float, flying: bool, event: Event
 ) -> None:
     """Update a row of parts after an event: start, release or part some, and set accelerations."""
     forced = event.part if event.kind == START else -1
-    pull = drive.gs - level
+    pull = drive.gravity_along - level
     push, load = pushes(drive, pull, tau)
     if row.stop != NO_STOP:
-        hold(row, drive, push, load, flying, event.kind == RELEASE)
+        release_from_stop(row, drive, push, load, flying, event.kind == RELEASE)
     if not flying:
-        start(row, push, load, forced)
-        slide(row)
-    set_flows(row, drive, pull, flying)
+        start_movable_parts(row, push, load, forced)
+        open_unpressed_contacts(row)
+    set_accelerations(row, drive, pull, flying)
 
 
 @borrowing
@@ -109,43 +109,48 @@ def next_event(
     stops, starts, releases by the stop and collisions.
     """
     event = Event(span, NOTHING, 0)
-    now = at_phase(drive, tau)
+    phase_now = at_phase(drive, tau)
     flying = landing < math.inf
     if flying:
         if landing < span:
             event = Event(landing, LANDING, 0)
     else:
-        up = lift_off(drive, tau)
-        if up < span:
-            event = Event(up, LIFT, 0)
-        event = _on_floor(row, drive, drive.gs - level, tau, now, event)
+        to_lift_off = lift_off(drive, tau)
+        if to_lift_off < span:
+            event = Event(to_lift_off, LIFT, 0)
+        event = _next_on_floor(row, drive, drive.gravity_along - level, tau, phase_now, event)
     if row.stop != NO_STOP:
-        event = _released(row, drive, drive.gs - level, tau, flying, event)
+        event = _next_release(row, drive, drive.gravity_along - level, tau, flying, event)
     for i in range(row.closed.size):
         if row.closed[i] == 0:
-            until = contact_until(row, drive, i, now, event.span)
+            until = contact_until(row, drive, i, phase_now, event.span)
             if until < event.span:
                 event = Event(until, HIT, i)
     return event
 
 
 @borrowing
-def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event: Event) -> Event:
+def _next_on_floor(
+    row: Row, drive: Driven, pull: float, tau: float, phase_now: Any, event: Event
+) -> Event:
+    # The first stop of a sliding block, or start of a resting one, if it comes before `event`.
     first = 0
     while first < row.mass.size:
         end = chain_end(row, first)
         mode = row.mode[first]
         if mode != 0:
-            until = stop_until(row, drive, first, now, event.span)
+            until = stop_until(row, drive, first, phase_now, event.span)
             if until < event.span:
                 event = Event(until, STOP, first)
         else:
-            for way in (1, -1):
-                if way > 0 and row.stop == ON_TRACK and is_held(row, end):
+            for direction in (1, -1):
+                if direction > 0 and row.stop == ON_TRACK and touches_stop(row, end):
                     continue
-                mu = least_friction(row, first, end, way)
-                level = way * pull + mu * drive.gn
-                until = first_rise(drive, first, way, float(way), mu, level, tau)
+                friction = least_friction(row, first, end, direction)
+                threshold = direction * pull + friction * drive.gravity_normal
+                until = first_rise(
+                    drive, first, direction, float(direction), friction, threshold, tau
+                )
                 if until < event.span:
                     event = Event(until, START, first)
         first = end
@@ -153,10 +158,11 @@ def _on_floor(row: Row, drive: Driven, pull: float, tau: float, now: Any, event:
 
 
 @borrowing
-def _released(
+def _next_release(
     row: Row, drive: Driven, pull: float, tau: float, flying: bool, event: Event
 ) -> Event:
-    first = held_from(row)
+    # The release of a block by the stop, if it comes before `event`.
+    first = first_touching_stop(row)
     if first == row.mass.size:
         return event
     until = math.inf
@@ -164,11 +170,11 @@ def _released(
         if flying:
             until = first_rise(drive, row.mass.size, 1, -1.0, 0.0, -pull, tau)
     elif not flying and row.mode[first] != 0:
-        least = least_pressed(row, first)
-        if least != 0.0:
-            way = 1.0 if least > 0.0 else -1.0
-            level = way * (drive.gn - drive.gs / least)
-            until = first_rise(drive, row.mass.size, 1, 0.0, way, level, tau)
+        least_factor = least_pressed_factor(row, first)
+        if least_factor != 0.0:
+            direction = 1.0 if least_factor > 0.0 else -1.0
+            threshold = direction * (drive.gravity_normal - drive.gravity_along / least_factor)
+            until = first_rise(drive, row.mass.size, 1, 0.0, direction, threshold, tau)
     return Event(until, RELEASE, first) if until < event.span else event
 
 
@@ -179,66 +185,69 @@ def move(row: Row, drive: Driven, tau: float, span: float) -> None:
     There must be no event within. Parts that touch have one velocity and one acceleration: they
     move by the same distance, to the bit.
     """
-    by, behind = swung(drive, tau, span), 0.0
+    integrals, distance_behind = drive_integrals(drive, tau, span), 0.0
     for i in range(row.mass.size):
-        more, way = carried(row, drive, i, by, span)
-        row.speed[i] += more
-        row.place[i] += way
+        speed_change, distance = change_over_span(row, drive, i, integrals, span)
+        row.speed[i] += speed_change
+        row.place[i] += distance
         if i > 0 and row.closed[i - 1] == 0:
-            row.gap[i - 1] += way - behind
-        behind = way
+            row.gap[i - 1] += distance - distance_behind
+        distance_behind = distance
     parts = row.mass.size
     if row.stop == IN_SPACE:
-        more, way = carried(row, drive, parts, by, span)
-        row.speed[parts] += more
+        speed_change, distance = change_over_span(row, drive, parts, integrals, span)
+        row.speed[parts] += speed_change
         if row.closed[parts - 1] == 1:
             row.speed[parts] = row.speed[parts - 1]
         else:
-            row.gap[parts - 1] += way - behind
+            row.gap[parts - 1] += distance - distance_behind
     elif row.stop == ON_TRACK and row.closed[parts - 1] == 0:
-        row.gap[parts - 1] -= behind
+        row.gap[parts - 1] -= distance_behind
 
 
 @borrowing
-def lifted(drive: Driven, tau: float) -> Air:
+def flight_from(drive: Driven, tau: float) -> Air:
     """Return the flight that begins at phase `tau`: phase until landing, landing speed in g/w."""
     span, impulse = flight(drive, tau)
     return Air(min(span, TURN * LONGEST_FLIGHT), impulse)
 
 
 @borrowing
-def happened(
+def apply_event(
     row: Row, drive: Driven, event: Event, tau: float, air: Air, restitution: float
 ) -> tuple[Air, float, float]:
     """Change a row by an event; return its flight, energy lost, impulse on the stop."""
-    lost, impulse = 0.0, 0.0
+    energy_lost, impulse = 0.0, 0.0
     if event.kind == LIFT:
-        air = lifted(drive, tau)
+        air = flight_from(drive, tau)
     elif event.kind == LANDING:
-        impulse = land(row, air.impulse)
-        air = lifted(drive, tau) if is_lifted(drive, tau) else ON_FLOOR
+        impulse = land_all(row, air.impulse)
+        air = flight_from(drive, tau) if is_lifted(drive, tau) else ON_FLOOR
     elif event.kind == STOP:
         end = chain_end(row, event.part)
         for i in range(event.part, end):
             row.speed[i], row.mode[i] = 0.0, 0
-        if is_held(row, end):
+        if touches_stop(row, end):
             row.speed[end] = 0.0
     elif event.kind == HIT:
-        if _bounces_end(row, drive, event.part, tau, restitution):
+        if _bounces_end_at_once(row, drive, event.part, tau, restitution):
             restitution = 0.0
-        lost, impulse = collide(row, event.part, restitution)
-    return air, lost, impulse
+        energy_lost, impulse = collide(row, event.part, restitution)
+    return air, energy_lost, impulse
 
 
 @borrowing
-def _bounces_end(row: Row, drive: Driven, contact: int, tau: float, restitution: float) -> bool:
+def _bounces_end_at_once(
+    row: Row, drive: Driven, contact: int, tau: float, restitution: float
+) -> bool:
     # Bounces pressed together by -a last 2 e v/(a (1 - e)) in all (theory 13.5).
-    drag = row.drag[contact + 1] - row.drag[contact]
-    pressed = drag - relative_push(row, drive, contact, tau)
-    meets = row.speed[contact] - row.speed[contact + 1]
+    relative_pull = row.pull[contact + 1] - row.pull[contact]
+    pressing_together = relative_pull - relative_push(row, drive, contact, tau)
+    closing_speed = row.speed[contact] - row.speed[contact + 1]
     return (
         restitution > 0.0
-        and 2.0 * restitution * meets < SHORTEST_BOUNCES * (1.0 - restitution) * pressed
+        and 2.0 * restitution * closing_speed
+        < SHORTEST_BOUNCES * (1.0 - restitution) * pressing_together
     )
 
 
@@ -255,147 +264,169 @@ def one_period(
 ) -> tuple[Air, Tally]:  # fmt: skip
     """Follow a row over one period of the drive; return the flight at its end, and sums."""
     tau, step, events, event = 0.0, 0, 0, NO_EVENT
-    closed, flying, hits, lost = 0.0, 0.0, 0.0, 0.0
-    pressed, struck, peak, held, moving = 0.0, 0.0, 0.0, 0.0, 0.0
+    contact_phase, flight_phase, hits, energy_lost = 0.0, 0.0, 0.0, 0.0
+    pressed, struck, peak, stop_phase, moving_phase = 0.0, 0.0, 0.0, 0.0, 0.0
     while True:
         flies = air.landing < math.inf
-        refreshed(row, drive, drive.levels[step], tau, flies, event)
+        update_after_event(row, drive, drive.levels[step], tau, flies, event)
         end = drive.ends[step]
         event = next_event(row, drive, drive.levels[step], tau, end - tau, air.landing)
         if row.stop != NO_STOP:
-            force = stop_pressed(row, drive, drive.gs - drive.levels[step], tau, event.span, flies)
+            force = stop_impulse_and_peak(
+                row, drive, drive.gravity_along - drive.levels[step], tau, event.span, flies
+            )
             pressed, peak = pressed + force.impulse, max(peak, force.peak)
-            held += event.span if held_from(row) < row.mass.size else 0.0
-        moving += event.span if flies or row.mode.any() else 0.0
-        sweep(row, drive, tau, event.span, swept_gaps)
+            stop_phase += event.span if first_touching_stop(row) < row.mass.size else 0.0
+        moving_phase += event.span if flies or row.mode.any() else 0.0
+        add_gap_integrals(row, drive, tau, event.span, swept_gaps)
         move(row, drive, tau, event.span)
         for i in range(row.closed.size):
             if row.closed[i] == 1:
-                closed += event.span if i < row.mass.size - 1 else 0.0
+                contact_phase += event.span if i < row.mass.size - 1 else 0.0
                 past.touched[i] = period
         if flies:
-            flying += event.span
+            flight_phase += event.span
         air = Air(air.landing - event.span, air.impulse)
         tau += event.span
-        if event.kind == 0:
+        if event.kind == NOTHING:  # the step of the drive ends
             tau, step = end, step + 1
             if step == drive.ends.size:
                 return air, Tally(
-                    closed, flying, hits, lost, pressed, struck, peak, held, moving
+                    contact_phase, flight_phase, hits, energy_lost, pressed, struck, peak,
+                    stop_phase, moving_phase,
                 )  # fmt: skip
         if event.kind == HIT:
-            least = AGREES * (abs(drive.c) + abs(drive.levels[step]))
-            hits += closing(row, event.part, least)
+            least_closing = AGREES * (abs(drive.push_along) + abs(drive.levels[step]))
+            hits += count_closing(row, event.part, least_closing)
             past.touched[event.part] = period
-        air, taken, impulse = happened(row, drive, event, tau, air, restitution)
-        lost, struck = lost + taken, struck + impulse
+        air, loss_at_event, impulse = apply_event(row, drive, event, tau, air, restitution)
+        energy_lost, struck = energy_lost + loss_at_event, struck + impulse
         events += 1
         if events > MAX_EVENTS:
             return air, FAILED
 
 
 @borrowing
-def sweep(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> None:
+def add_gap_integrals(row: Row, drive: Driven, tau: float, span: float, result: Floats) -> None:
     """Add the integrals of the gaps of a row over a phase without events to `result`.
 
     g d + v d^2/2 - k d^3/6 with the gap g, its rate v and its constant pull k over d = `span` rad
-    from phase `tau`, and `gap_swept` of the push, in g/w^2 times rad.
+    from phase `tau`, and `gap_integral_of_drive` of the push, in g/w^2 times rad.
     """
-    by = swept(drive, tau, span)
+    integrals = drive_double_integrals(drive, tau, span)
     for i in range(row.mass.size - 1):
         if row.closed[i] == 0:
-            drag = row.drag[i + 1] - row.drag[i]
-            apart = row.speed[i + 1] - row.speed[i]
-            result[i] += span * (row.gap[i] + span * (apart / 2.0 - drag * span / 6.0)) + gap_swept(
-                row, drive, i, by
-            )
+            relative_pull = row.pull[i + 1] - row.pull[i]
+            gap_rate = row.speed[i + 1] - row.speed[i]
+            result[i] += span * (
+                row.gap[i] + span * (gap_rate / 2.0 - relative_pull * span / 6.0)
+            ) + gap_integral_of_drive(row, drive, i, integrals)
 
 
 @compiled
 def follow(drive: Driven, row: Row, cell: Floats, result: Floats, stop: Stop) -> int:
     """Follow a row of parts until it repeats; fill its results, return its status."""
-    scale = max(1e-300, abs(drive.c) + np.abs(drive.levels).max())
-    if drive.s > 0.0 and drive.gn <= 0.0:
+    scale = max(1e-300, abs(drive.push_along) + np.abs(drive.levels).max())
+    if drive.push_normal > 0.0 and drive.gravity_normal <= 0.0:
         return int(STATUS.limit_reached)
-    air, status = at_start(drive), int(STATUS.limit_reached)
+    air, status = flight_at_start(drive), int(STATUS.limit_reached)
     means = np.zeros((int(cell[AT.max_periods]), TALLIES + 2 * row.mass.size - 1))
-    for hastened in (False, True):
-        past = past_of(row)
-        if hastened:
+    # A row that still drifts is followed again, along its slow transient in jumps.
+    for extrapolates in (False, True):
+        past = empty_past(row)
+        if extrapolates:
             means[:] = 0.0
-        air, done, cycle, since = approach(
-            row, drive, cell, air, past, means, hastened, scale, stop
+        air, periods, cycle, counted_from = follow_periods(
+            row, drive, cell, air, past, means, extrapolates, scale, stop
         )
         if raised(stop):
             return int(STATUS.not_computed)
-        if done < 0:
+        if periods < 0:
             return int(STATUS.limit_reached)
-        left = remaining(row, past, done, cycle, since, scale) if cycle > 0 else 0.0
-        status = finish(row, past, means, done, cycle, left, scale, result)
+        transient = (
+            remaining_transient(row, past, periods, cycle, counted_from, scale)
+            if cycle > 0
+            else 0.0
+        )
+        status = fill_row_results(row, past, means, periods, cycle, transient, scale, result)
         if cycle > 0:
-            result[COLUMN.multiple] = shortest(row, air, past, done, cycle, AGREES_NEARLY, scale)
-        if status != STATUS.limit_reached or done < 2 * BATCHES:
+            result[COLUMN.multiple] = shortest_cycle(
+                row, air, past, periods, cycle, AGREES_NEARLY, scale
+            )
+        if status != STATUS.limit_reached or periods < 2 * BATCHES:
             break
     return status
 
 
 @compiled
-def approach(
-    row: Row, drive: Driven, cell: Floats, air: Air, past: Past, means: Floats, hastened: bool,
+def follow_periods(
+    row: Row, drive: Driven, cell: Floats, air: Air, past: Past, means: Floats, extrapolates: bool,
     scale: float, stop: Stop,
 ) -> tuple[Air, int, int, int]:  # fmt: skip
-    """Follow a row until it repeats, or for all its periods; return how it came to."""
-    restitution, parts, since = cell[AT.part_restitution], row.mass.size, 0
+    """Follow a row until it repeats, or for all its periods.
+
+    Return flight, periods (-1: too many events), cycle (0: none), and the first period counted.
+    """
+    # `means` gets a row of sums a period: `Tally`, distances of the parts, integrals of the gaps.
+    restitution, parts, counted_from = cell[AT.part_restitution], row.mass.size, 0
     for period in range(means.shape[0]):
         if raised(stop):
-            return air, period, 0, since
-        keep(row, air, past, period)
-        here, done = means[period], period + 1
-        air, tally = one_period(row, drive, restitution, air, past, period, here[TALLIES + parts :])
+            return air, period, 0, counted_from
+        store_state(row, air, past, period)
+        sums, periods = means[period], period + 1
+        air, tally = one_period(row, drive, restitution, air, past, period, sums[TALLIES + parts :])
         if math.isnan(tally.hits):
-            return air, -1, 0, since
-        here[:TALLIES] = (
+            return air, -1, 0, counted_from
+        sums[:TALLIES] = (
             tally.closed, tally.air, tally.hits, tally.lost,
             tally.pressed, tally.struck, tally.peak, tally.held, tally.moving,
         )  # fmt: skip
-        here[TALLIES : TALLIES + parts] = row.place - past.place[period % (MULTIPLES + 1)]
-        cycle = cycle_of(row, air, past, done, since, scale)
-        if cycle > 0 and (not hastened or done - 2 * cycle >= since):
-            return air, done, cycle, since
-        early = hastened and 2 * done < means.shape[0]
-        if early and not is_held(row, parts) and hasten(row, past, done, since, scale):
-            since = done
-    return air, means.shape[0], 0, since
+        sums[TALLIES : TALLIES + parts] = row.place - past.place[period % (MULTIPLES + 1)]
+        cycle = cycle_of(row, air, past, periods, counted_from, scale)
+        if cycle > 0 and (not extrapolates or periods - 2 * cycle >= counted_from):
+            return air, periods, cycle, counted_from
+        may_extrapolate = extrapolates and 2 * periods < means.shape[0]
+        if (
+            may_extrapolate
+            and not touches_stop(row, parts)
+            and extrapolate_transient(row, past, periods, counted_from, scale)
+        ):
+            counted_from = periods
+    return air, means.shape[0], 0, counted_from
 
 
 @compiled
-def at_start(drive: Driven) -> Air:
+def flight_at_start(drive: Driven) -> Air:
     """Return the flight at the start of a motion: parts may lift off at once."""
-    return lifted(drive, 0.0) if drive.gn > 0.0 and is_lifted(drive, 0.0) else ON_FLOOR
+    return (
+        flight_from(drive, 0.0)
+        if drive.gravity_normal > 0.0 and is_lifted(drive, 0.0)
+        else ON_FLOOR
+    )
 
 
 @compiled
 def row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill the table of results of many rows of parts, under a sine or steps along the track."""
-    for number in range(cells.shape[0]):
-        cell = cells[number]
+    for index in range(cells.shape[0]):
+        cell = cells[index]
         drive = drive_of(cell)
-        found = follow(drive, row_at(cell, backward_speed(drive)), cell, table[number], stop)
+        outcome = follow(drive, row_at(cell, backward_speed(drive)), cell, table[index], stop)
         if raised(stop):
             return
-        status[number] = found
+        status[index] = outcome
 
 
 @compiled
-def waved_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+def wave_row_cells(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table and statuses of rows of parts under any wave, as `row_cells`."""
-    for number in range(cells.shape[0]):
-        cell = cells[number]
-        drive = waved_of(cell)
-        found = follow(drive, row_at(cell, backward_speed(drive)), cell, table[number], stop)
+    for index in range(cells.shape[0]):
+        cell = cells[index]
+        drive = wave_drive_of(cell)
+        outcome = follow(drive, row_at(cell, backward_speed(drive)), cell, table[index], stop)
         if raised(stop):
             return
-        status[number] = found
+        status[index] = outcome
 
 
 @compiled
@@ -405,34 +436,34 @@ def path_of_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> N
 
 
 @compiled
-def path_of_waved_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
+def path_of_wave_row(cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
     """Write positions and gaps of a row's parts at ascending phases, under any wave."""
-    path_under(waved_of(cell), cell, phases, places, gaps)
+    path_under(wave_drive_of(cell), cell, phases, places, gaps)
 
 
 @compiled
 def path_under(drive: Driven, cell: Floats, phases: Floats, places: Floats, gaps: Floats) -> None:
     """Write positions and gaps of the parts of a row at ascending phases, for its trajectory."""
     row, restitution = row_at(cell, backward_speed(drive)), cell[AT.part_restitution]
-    air, event = at_start(drive), NO_EVENT
-    tau, step, turn, at, events = 0.0, 0, 0, 0, 0
+    air, event = flight_at_start(drive), NO_EVENT
+    tau, step, turn, sample, events = 0.0, 0, 0, 0, 0
     places[:], gaps[:] = math.nan, math.nan
-    while at < phases.size and events <= MAX_EVENTS:
-        refreshed(row, drive, drive.levels[step], tau, air.landing < math.inf, event)
-        until = min(drive.ends[step], max(tau, phases[at] - turn * TURN))
+    while sample < phases.size and events <= MAX_EVENTS:
+        update_after_event(row, drive, drive.levels[step], tau, air.landing < math.inf, event)
+        until = min(drive.ends[step], max(tau, phases[sample] - turn * TURN))
         event = next_event(row, drive, drive.levels[step], tau, until - tau, air.landing)
         move(row, drive, tau, event.span)
         air = Air(air.landing - event.span, air.impulse)
         tau += event.span
-        if event.kind != 0:
+        if event.kind != NOTHING:
             events += 1
         else:
             tau = until
-            if phases[at] - turn * TURN <= tau:
-                places[at, :], gaps[at, :] = row.place, row.gap
-                at += 1
+            if phases[sample] - turn * TURN <= tau:
+                places[sample, :], gaps[sample, :] = row.place, row.gap
+                sample += 1
             if tau == drive.ends[step]:
                 step += 1
                 if step == drive.ends.size:
                     tau, step, turn, events = 0.0, 0, turn + 1, 0
-        air, _, _ = happened(row, drive, event, tau, air, restitution)
+        air, _, _ = apply_event(row, drive, event, tau, air, restitution)

@@ -8,7 +8,7 @@ import math
 from collections import namedtuple
 
 from vibrafeed.core.compiled import borrowing
-from vibrafeed.core.motion.kernels.planar.flow import TURN, flow, phase_to, swings
+from vibrafeed.core.motion.kernels.planar.flow import TURN, flow, phase_to, sine_integrals
 from vibrafeed.core.motion.kernels.rows.row_state import Drive, Row
 
 MAX_STEPS = 100
@@ -28,23 +28,25 @@ Pull = namedtuple("Pull", "C k sine cosine")
 
 
 @borrowing
-def turns_of(C: float, k: float, tau: float, span: float) -> tuple[float, float]:
+def turning_phases(C: float, k: float, tau: float, span: float) -> tuple[float, float]:
     """Return the first two zeros of u' = C sin(tau) - k within `span` after `tau`, or `span`."""
-    one, other = span, span
+    rising, falling = span, span
     if abs(C) > abs(k):
         angle = math.asin(k / C)
-        one, other = phase_to(angle, tau), phase_to(math.pi - angle, tau)
-        one = one if SAME < one < span else span
-        other = other if SAME < other < span else span
-    return min(one, other), max(one, other)
+        rising, falling = phase_to(angle, tau), phase_to(math.pi - angle, tau)
+        rising = rising if SAME < rising < span else span
+        falling = falling if SAME < falling < span else span
+    return min(rising, falling), max(rising, falling)
 
 
 @borrowing
-def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float) -> float:
+def zero_between(
+    order: int, start_distance: float, start_velocity: float, pull: Pull, low: float, high: float
+) -> float:
     """Return the zero of a velocity (`order` 0) or distance (1) between two phases, in rad."""
     C, k, sine, cosine = pull
-    speed, way = flow(v, C, k, sine, cosine, low)
-    value, slope = x + way, speed
+    speed, distance = flow(start_velocity, C, k, sine, cosine, low)
+    value, slope = start_distance + distance, speed
     if order == 0:
         value, slope = speed, C * (sine * math.cos(low) + cosine * math.sin(low)) - k
     rises = value < 0.0
@@ -52,13 +54,13 @@ def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float)
     if not low < d < high:
         d = 0.5 * (low + high)
     for _ in range(MAX_STEPS):
-        speed, way = flow(v, C, k, sine, cosine, d)
-        value, slope = x + way, speed
+        speed, distance = flow(start_velocity, C, k, sine, cosine, d)
+        value, slope = start_distance + distance, speed
         if order == 0:
             value, slope = speed, C * (sine * math.cos(d) + cosine * math.sin(d)) - k
-        terms = abs(x) + d * (abs(v) + d * (abs(C) + abs(k)))
+        terms = abs(start_distance) + d * (abs(start_velocity) + d * (abs(C) + abs(k)))
         if order == 0:
-            terms = abs(v) + d * (abs(C) + abs(k))
+            terms = abs(start_velocity) + d * (abs(C) + abs(k))
         if abs(value) <= LAST_BIT * terms:
             return d
         if (value < 0.0) == rises:
@@ -66,37 +68,44 @@ def refined(order: int, x: float, v: float, pull: Pull, low: float, high: float)
         else:
             high = d
         step = value / slope if slope != 0.0 else math.inf
-        after = d - step
-        if not low < after < high:
-            after = 0.5 * (low + high)
-        if abs(after - d) <= 1e-16 * (1.0 + d) or high - low <= 2e-16 * (1.0 + high):
-            return after
-        d = after
+        next_d = d - step
+        if not low < next_d < high:
+            next_d = 0.5 * (low + high)
+        if abs(next_d - d) <= 1e-16 * (1.0 + d) or high - low <= 2e-16 * (1.0 + high):
+            return next_d
+        d = next_d
     return d
 
 
 @borrowing
 def first_stop(
-    v: float, way: int, C: float, k: float, tau: float, sine: float, cosine: float, span: float
+    velocity: float,
+    direction: int,
+    C: float,
+    k: float,
+    tau: float,
+    sine: float,
+    cosine: float,
+    span: float,
 ) -> float:
-    """Return the phase until a velocity in direction `way` is 0; inf if not within `span`."""
-    # It falls by no more than |C| + way k a phase.
-    most = (abs(C) + way * k) * span
-    if way * v - most > ROUNDING * (abs(v) + abs(most)):
+    """Return the phase until a velocity in direction `direction` is 0; inf if not within `span`."""
+    # It falls by no more than |C| + direction k a phase.
+    largest_change = (abs(C) + direction * k) * span
+    if direction * velocity - largest_change > ROUNDING * (abs(velocity) + abs(largest_change)):
         return math.inf
-    one, other = turns_of(C, k, tau, span)
-    low, high = 0.0, one
-    rests = way * v <= 0.0
-    starts = rests and way * (C * sine - k) >= -RESOLVED
-    for j in range(3):
-        speed, _ = flow(v, C, k, sine, cosine, high)
-        if way * speed <= 0.0 and (low > 0.0 or not starts):
-            if low == 0.0 and rests:
+    first_turn, second_turn = turning_phases(C, k, tau, span)
+    low, high = 0.0, first_turn
+    is_at_rest = direction * velocity <= 0.0
+    starts_moving = is_at_rest and direction * (C * sine - k) >= -RESOLVED
+    for piece in range(3):
+        velocity_at_high, _ = flow(velocity, C, k, sine, cosine, high)
+        if direction * velocity_at_high <= 0.0 and (low > 0.0 or not starts_moving):
+            if low == 0.0 and is_at_rest:
                 return 0.0
-            return refined(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
+            return zero_between(0, 0.0, velocity, Pull(C, k, sine, cosine), low, high)
         if high == span:
             break
-        low, high = high, other if j == 0 else span
+        low, high = high, second_turn if piece == 0 else span
     return math.inf
 
 
@@ -112,49 +121,56 @@ def first_contact(
     if C == 0.0 and k == 0.0 and v >= 0.0:
         return math.inf
     # Its velocity falls by no more than |C| + k a phase.
-    met, pull = min(v, 0.0) * span, max(abs(C) + k, 0.0) * span * span / 2.0
-    if g + met - pull > ROUNDING * (g - met + pull):
+    approach, largest_loss = min(v, 0.0) * span, max(abs(C) + k, 0.0) * span * span / 2.0
+    if g + approach - largest_loss > ROUNDING * (g - approach + largest_loss):
         return math.inf
-    one, other = turns_of(C, k, tau, span)
-    size = 1e-15 * (abs(C) + abs(k) + abs(v))
-    low, high, before, left = 0.0, one, v, g
-    for j in range(3):
-        after, way = flow(v, C, k, sine, cosine, high)
-        if before < 0.0 < after and left + before * (high - low) <= ROUNDING * (left + abs(way)):
-            turn = refined(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
-            if g + flow(v, C, k, sine, cosine, turn)[1] < -size:
-                return _closed(g, v, C, k, sine, cosine, low, turn)
-        if g + way < -size:
-            if after < 0.0 < before:  # it opens before it closes
-                low = refined(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
-            return _closed(g, v, C, k, sine, cosine, low, high)
+    first_turn, second_turn = turning_phases(C, k, tau, span)
+    rounding = 1e-15 * (abs(C) + abs(k) + abs(v))
+    low, high, rate_at_low, gap_at_low = 0.0, first_turn, v, g
+    for piece in range(3):
+        rate_at_high, distance_at_high = flow(v, C, k, sine, cosine, high)
+        if rate_at_low < 0.0 < rate_at_high and gap_at_low + rate_at_low * (
+            high - low
+        ) <= ROUNDING * (gap_at_low + abs(distance_at_high)):
+            least_phase = zero_between(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
+            if g + flow(v, C, k, sine, cosine, least_phase)[1] < -rounding:
+                return _contact_between(g, v, C, k, sine, cosine, low, least_phase)
+        if g + distance_at_high < -rounding:
+            if rate_at_high < 0.0 < rate_at_low:  # it opens before it closes
+                low = zero_between(0, 0.0, v, Pull(C, k, sine, cosine), low, high)
+            return _contact_between(g, v, C, k, sine, cosine, low, high)
         if high == span:
             break
-        low, high, before, left = high, other if j == 0 else span, after, g + way
+        low, high, rate_at_low, gap_at_low = (
+            high,
+            second_turn if piece == 0 else span,
+            rate_at_high,
+            g + distance_at_high,
+        )
     return math.inf
 
 
 @borrowing
-def _closed(
+def _contact_between(
     g: float, v: float, C: float, k: float, sine: float, cosine: float, low: float, high: float
 ) -> float:
     if low == 0.0 and g <= 0.0:
         return 0.0
-    return refined(1, g, v, Pull(C, k, sine, cosine), low, high)
+    return zero_between(1, g, v, Pull(C, k, sine, cosine), low, high)
 
 
 @borrowing
-def flight_time(s: float, gn: float, tau: float, most: int) -> float:
-    """Return the duration in rad of a flight from rest at phase `tau`; inf beyond `most` turns."""
+def flight_time(push: float, gravity: float, tau: float, max_turns: int) -> float:
+    """Return the duration in rad of a flight from rest at phase `tau`; inf beyond `max_turns`."""
     sine, cosine = math.sin(tau), math.cos(tau)
-    height, rate, passed = 0.0, 0.0, 0.0
-    for _ in range(most):
-        span = first_contact(height, rate, s, gn, tau, sine, cosine, TURN)
-        if span < math.inf and passed + span > 0.0:
-            return passed + span
-        rate, way = flow(rate, s, gn, sine, cosine, TURN)
-        height += way
-        passed += TURN
+    height, rate, elapsed = 0.0, 0.0, 0.0
+    for _ in range(max_turns):
+        span = first_contact(height, rate, push, gravity, tau, sine, cosine, TURN)
+        if span < math.inf and elapsed + span > 0.0:
+            return elapsed + span
+        rate, distance = flow(rate, push, gravity, sine, cosine, TURN)
+        height += distance
+        elapsed += TURN
     return math.inf
 
 
@@ -168,46 +184,59 @@ Now = namedtuple("Now", "tau sine cosine")
 @borrowing
 def pushes(drive: Drive, pull: float, tau: float) -> tuple[float, float]:
     """Return the push along, c sin(tau) - `pull`, and the load on the floor, at least 0, in g."""
-    return drive.c * math.sin(tau) - pull, max(0.0, drive.gn - drive.s * math.sin(tau))
+    return drive.push_along * math.sin(tau) - pull, max(
+        0.0, drive.gravity_normal - drive.push_normal * math.sin(tau)
+    )
 
 
 @borrowing
 def lift_off(drive: Drive, tau: float) -> float:
     """Return the phase in rad until parts lift off, where s sin(tau) rises through n."""
-    return phase_to(math.asin(drive.gn / drive.s), tau) if drive.s > drive.gn else math.inf
+    return (
+        phase_to(math.asin(drive.gravity_normal / drive.push_normal), tau)
+        if drive.push_normal > drive.gravity_normal
+        else math.inf
+    )
 
 
 @borrowing
 def is_lifted(drive: Drive, tau: float) -> bool:
     """True if parts on the floor lift off at a phase."""
-    return drive.s * math.sin(tau) > drive.gn
+    return drive.push_normal * math.sin(tau) > drive.gravity_normal
 
 
 @borrowing
 def flight(drive: Drive, tau: float) -> tuple[float, float]:
     """Return duration in rad and landing speed in g/w of a flight that begins at phase `tau`."""
-    span = flight_time(drive.s, drive.gn, tau, LONGEST_FLIGHT)
+    span = flight_time(drive.push_normal, drive.gravity_normal, tau, LONGEST_FLIGHT)
     if span == math.inf:
         return math.inf, 0.0
-    return span, -flow(0.0, drive.s, drive.gn, math.sin(tau), math.cos(tau), span)[0]
+    return span, -flow(
+        0.0, drive.push_normal, drive.gravity_normal, math.sin(tau), math.cos(tau), span
+    )[0]
 
 
 @borrowing
 def first_rise(
-    drive: Drive, body: int, way: int, along: float, normal: float, level: float, tau: float
+    drive: Drive, body: int, direction: int, along: float, normal: float, level: float, tau: float
 ) -> float:
     """Return the phase until (`along` c + `normal` s) sin rises above `level`; inf if never."""
-    size = along * drive.c + normal * drive.s
-    if abs(size) <= abs(level):
+    amplitude = along * drive.push_along + normal * drive.push_normal
+    if abs(amplitude) <= abs(level):
         return math.inf
-    angle = math.asin(level / size)
-    return phase_to(angle if size > 0.0 else math.pi - angle, tau)
+    angle = math.asin(level / amplitude)
+    return phase_to(angle if amplitude > 0.0 else math.pi - angle, tau)
 
 
 @borrowing
-def set_flow(row: Row, drive: Drive, body: int, moves: bool, friction: float, drag: float) -> None:
+def set_acceleration(
+    row: Row, drive: Drive, body: int, moves: bool, friction: float, pull: float
+) -> None:
     """Set C and k of a body's acceleration C sin(tau) - k; C = 0 unless it `moves`."""
-    row.gain[body], row.drag[body] = drive.c + friction * drive.s if moves else 0.0, drag
+    row.push_factor[body], row.pull[body] = (
+        drive.push_along + friction * drive.push_normal if moves else 0.0,
+        pull,
+    )
 
 
 @borrowing
@@ -217,48 +246,59 @@ def at_phase(drive: Drive, tau: float) -> Now:
 
 
 @borrowing
-def stop_until(row: Row, drive: Drive, part: int, now: Now, span: float) -> float:
+def stop_until(row: Row, drive: Drive, part: int, phase_now: Now, span: float) -> float:
     """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`."""
     return first_stop(
-        row.speed[part], row.mode[part], row.gain[part], row.drag[part], now.tau, now.sine,
-        now.cosine, span,
+        row.speed[part], row.mode[part], row.push_factor[part], row.pull[part], phase_now.tau,
+        phase_now.sine, phase_now.cosine, span,
     )  # fmt: skip
 
 
 @borrowing
-def contact_until(row: Row, drive: Drive, contact: int, now: Now, span: float) -> float:
+def contact_until(row: Row, drive: Drive, contact: int, phase_now: Now, span: float) -> float:
     """Return the phase in rad until a gap in a row closes; inf if not within `span`."""
-    gain = row.gain[contact + 1] - row.gain[contact]
-    drag = row.drag[contact + 1] - row.drag[contact]
-    apart = row.speed[contact + 1] - row.speed[contact]
-    return first_contact(row.gap[contact], apart, gain, drag, now.tau, now.sine, now.cosine, span)
+    push_factor = row.push_factor[contact + 1] - row.push_factor[contact]
+    pull = row.pull[contact + 1] - row.pull[contact]
+    gap_rate = row.speed[contact + 1] - row.speed[contact]
+    return first_contact(
+        row.gap[contact],
+        gap_rate,
+        push_factor,
+        pull,
+        phase_now.tau,
+        phase_now.sine,
+        phase_now.cosine,
+        span,
+    )
 
 
 @borrowing
 def relative_push(row: Row, drive: Drive, contact: int, tau: float) -> float:
     """Return the share of the drive in the relative acceleration of two neighbours, in g."""
-    return (row.gain[contact + 1] - row.gain[contact]) * math.sin(tau)
+    return (row.push_factor[contact + 1] - row.push_factor[contact]) * math.sin(tau)
 
 
 @borrowing
-def swung(drive: Drive, tau: float, span: float) -> tuple[float, float]:
+def drive_integrals(drive: Drive, tau: float, span: float) -> tuple[float, float]:
     """Return the velocity and distance that sin adds over `span` rad from phase `tau` on."""
-    return swings(math.sin(tau), math.cos(tau), span)
+    return sine_integrals(math.sin(tau), math.cos(tau), span)
 
 
 @borrowing
-def carried(
-    row: Row, drive: Drive, body: int, by: tuple[float, float], span: float
+def change_over_span(
+    row: Row, drive: Drive, body: int, integrals: tuple[float, float], span: float
 ) -> tuple[float, float]:
     """Return the change of velocity and of position of a body over `span`, in g/w and g/w^2."""
     return (
-        row.gain[body] * by[0] - row.drag[body] * span,
-        row.speed[body] * span + row.gain[body] * by[1] - row.drag[body] * (span * span / 2.0),
+        row.push_factor[body] * integrals[0] - row.pull[body] * span,
+        row.speed[body] * span
+        + row.push_factor[body] * integrals[1]
+        - row.pull[body] * (span * span / 2.0),
     )
 
 
 @borrowing
-def swept(drive: Drive, tau: float, span: float) -> float:
+def drive_double_integrals(drive: Drive, tau: float, span: float) -> float:
     """Return the integral over `span` of the distance that sin adds from phase `tau` on.
 
     cos(tau + d) - cos(tau) + sin(tau) d + cos(tau) d^2/2, d = `span`.
@@ -268,50 +308,50 @@ def swept(drive: Drive, tau: float, span: float) -> float:
 
 
 @borrowing
-def gap_swept(row: Row, drive: Drive, contact: int, by: float) -> float:
+def gap_integral_of_drive(row: Row, drive: Drive, contact: int, integral: float) -> float:
     """Return the share of the drive in the integral of a gap over a phase."""
-    return (row.gain[contact + 1] - row.gain[contact]) * by
+    return (row.push_factor[contact + 1] - row.push_factor[contact]) * integral
 
 
 @borrowing
-def sizes(drive: Drive) -> tuple[float, float]:
-    """Return the amplitudes of both pushes in g, of which `above` and `highest` take multiples."""
-    return drive.c, drive.s
+def push_sizes(drive: Drive) -> tuple[float, float]:
+    """Return the amplitudes of both pushes in g, multiples of which press on the stop."""
+    return drive.push_along, drive.push_normal
 
 
 @borrowing
-def above(
-    drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
+def positive_impulse(
+    drive: Drive, body: int, along: float, normal: float, pull: float, tau: float, span: float
 ) -> float:
     """Return the integral of the positive part of a force, max(0, C sin(x) - k), over a phase."""
-    gain = along + normal
-    if gain == 0.0:
-        return max(0.0, -drag) * span
-    if abs(gain) <= abs(drag):
-        return _whole(gain, drag, tau, span) if drag < 0.0 else 0.0
-    angle = math.asin(drag / gain)
-    one, other = phase_to(angle, tau), phase_to(math.pi - angle, tau)
-    total, at = 0.0, 0.0
-    for until in (min(one, other, span), min(max(one, other), span), span):
-        middle = tau + 0.5 * (at + until)
-        if until > at and gain * math.sin(middle) > drag:
-            total += _whole(gain, drag, tau + at, until - at)
-        at = until
+    amplitude = along + normal
+    if amplitude == 0.0:
+        return max(0.0, -pull) * span
+    if abs(amplitude) <= abs(pull):
+        return _force_impulse(amplitude, pull, tau, span) if pull < 0.0 else 0.0
+    angle = math.asin(pull / amplitude)
+    rising, falling = phase_to(angle, tau), phase_to(math.pi - angle, tau)
+    total, begin = 0.0, 0.0
+    for until in (min(rising, falling, span), min(max(rising, falling), span), span):
+        middle = tau + 0.5 * (begin + until)
+        if until > begin and amplitude * math.sin(middle) > pull:
+            total += _force_impulse(amplitude, pull, tau + begin, until - begin)
+        begin = until
     return total
 
 
 @borrowing
-def _whole(gain: float, drag: float, tau: float, span: float) -> float:
-    return gain * (math.cos(tau) - math.cos(tau + span)) - drag * span
+def _force_impulse(amplitude: float, pull: float, tau: float, span: float) -> float:
+    return amplitude * (math.cos(tau) - math.cos(tau + span)) - pull * span
 
 
 @borrowing
-def highest(
-    drive: Drive, body: int, along: float, normal: float, drag: float, tau: float, span: float
+def largest_force(
+    drive: Drive, body: int, along: float, normal: float, pull: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of C sin(x) - `drag` over a phase, C = `along` + `normal`."""
-    gain = along + normal
-    top = phase_to(0.5 * math.pi if gain >= 0.0 else 1.5 * math.pi, tau)
+    """Return the largest value of C sin(x) - `pull` over a phase, C = `along` + `normal`."""
+    amplitude = along + normal
+    top = phase_to(0.5 * math.pi if amplitude >= 0.0 else 1.5 * math.pi, tau)
     if top <= span:
-        return abs(gain) - drag
-    return max(gain * math.sin(tau), gain * math.sin(tau + span)) - drag
+        return abs(amplitude) - pull
+    return max(amplitude * math.sin(tau), amplitude * math.sin(tau + span)) - pull

@@ -57,13 +57,14 @@ ON_FLOOR = Air(math.inf, 0.0)  # the flight of parts that are on the floor
 class Drive(NamedTuple):
     """Push and load per weight: c sin(tau) + level - gs along, gn - s sin(tau) onto the floor.
 
-    `ends` are the phases at which the steps of the drive end, `levels` what each adds to the push.
+    c and s are the pushes, gs and gn gravity; `ends` are the phases at which the steps of the drive
+    end, `levels` what each adds to the push.
     """
 
-    c: float
-    s: float
-    gs: float
-    gn: float
+    push_along: float
+    push_normal: float
+    gravity_along: float
+    gravity_normal: float
     ends: Floats
     levels: Floats
 
@@ -73,8 +74,9 @@ class Row(NamedTuple):
 
     `closed[i]` is 1 where part i touches the one in front of it and both have the same velocity: a
     flag, because rounding would decide a test of gap and velocities. `gap` is in g/w^2, `speed` in
-    g/w, relative to the track. `gain` and `drag` are C and k of u' = C sin(tau) - k. `mode` is 1
-    for parts that slide forward, -1 backward, 0 at rest. A stop is a last part of infinite mass.
+    g/w, relative to the track. `push_factor` and `pull` are C and k of u' = C sin(tau) - k. `mode`
+    is 1 for parts that slide forward, -1 backward, 0 at rest. A stop is a last part of infinite
+    mass.
     """
 
     mass: Floats
@@ -83,8 +85,8 @@ class Row(NamedTuple):
     gap: Floats
     speed: Floats
     place: Floats
-    gain: Floats
-    drag: Floats
+    push_factor: Floats
+    pull: Floats
     mode: Whole
     closed: Whole
     value: Floats
@@ -157,10 +159,10 @@ def backward_speed(drive: Drive) -> float:
 
     In g/w: w with w' = c sin(tau) + level of the step, and without mean over a period.
     """
-    start, since, mean = 0.0, 0.0, 0.0
+    start, velocity, mean = 0.0, 0.0, 0.0
     for step in range(drive.ends.size):
         span = drive.ends[step] - start
-        mean += since * span + drive.levels[step] * span * span / 2.0
-        since += drive.levels[step] * span
+        mean += velocity * span + drive.levels[step] * span * span / 2.0
+        velocity += drive.levels[step] * span
         start = drive.ends[step]
-    return -drive.c - mean / start
+    return -drive.push_along - mean / start

@@ -35,10 +35,10 @@ from vibrafeed.core.motion.kernels.planar.wave import (
     flow,
     integrals,
     later_passage,
-    next_of_way,
+    next_crossing,
     next_passage,
+    push_integral_at,
     push_of,
-    speed_start,
     step_at,
     zero_of_velocity,
 )
@@ -59,29 +59,31 @@ SLOPE = math.inf
 class RowWave(NamedTuple):
     """A wave that drives a row.
 
-    `c` and `s` are bounds of the push, `levels` are 0, as in `Drive`. `base` holds the pushes;
-    `tables[j]` is room for the kinds of acceleration of body j, each made of the shares and the
-    pull in `keys[j]`. `share[j]` is the factor of the normal push in its acceleration.
+    As in `Drive`, with upper bounds of the pushes and `levels` 0. `base` holds the pushes;
+    `tables[j]` is room for the kinds of acceleration of body j, each made of the factors and the
+    pull in `keys[j]`. `normal_factor[j]` is that of the normal push in its acceleration.
     """
 
-    c: float
-    s: float
-    gs: float
-    gn: float
+    push_along: float
+    push_normal: float
+    gravity_along: float
+    gravity_normal: float
     ends: Floats
     levels: Floats
     base: WaveDrive
     tables: Floats
     keys: Floats
-    share: Floats
+    normal_factor: Floats
 
 
-Swung = namedtuple("Swung", "swing sway normal_swing normal_sway")
+DriveIntegrals = namedtuple(
+    "DriveIntegrals", "velocity_along distance_along velocity_normal distance_normal"
+)
 """What both pushes add to velocity and distance over a phase."""
 
 
 @compiled
-def waved_of(cell: Floats) -> RowWave:
+def wave_drive_of(cell: Floats) -> RowWave:
     """Return the drive of a row as a wave: sums of sines or steps along and normal to the floor."""
     columns, bodies = columns_of(cell), int(cell[AT.parts]) + 1
     orders, steps = columns.orders, columns.steps
@@ -95,23 +97,32 @@ def waved_of(cell: Floats) -> RowWave:
         largest[0] = np.abs(table[2 * AIR, :steps]).max()
         largest[1] = np.abs(table[2 * NORMAL, :steps]).max()
     for k in range(orders if steps == 0 else 0):
-        for part in range(2):
-            place = part * orders + k
-            along, normal = cell[columns.along + place], cell[columns.normal + place]
-            _fill_pushes(table, part, k + 1, along, normal)
+        for is_cosine in range(2):
+            index = is_cosine * orders + k
+            along, normal = cell[columns.along + index], cell[columns.normal + index]
+            _fill_pushes(table, is_cosine, k + 1, along, normal)
         largest[0] += math.hypot(table[2 * AIR, k + 1], table[2 * AIR + 1, k + 1])
         largest[1] += math.hypot(table[2 * NORMAL, k + 1], table[2 * NORMAL + 1, k + 1])
-    gs, gn = cell[AT.gravity_number_along], cell[AT.gravity_number_normal]
-    table[PULLS, AIR], table[PULLS, NORMAL] = gs, gn
+    gravity_along, gravity_normal = cell[AT.gravity_number_along], cell[AT.gravity_number_normal]
+    table[PULLS, AIR], table[PULLS, NORMAL] = gravity_along, gravity_normal
     along, normal = largest[0], largest[1]
-    base = WaveDrive(table, orders, steps, gs, gn, 0.0, 0.0, along, normal)
-    if steps > 0 or normal > gn:
+    base = WaveDrive(table, orders, steps, gravity_along, gravity_normal, 0.0, 0.0, along, normal)
+    if steps > 0 or normal > gravity_normal:
         fill_passages(base, NORMAL)
     tables = np.zeros((bodies, TABLE[0], TABLE[1]))
     tables[:, ENDS, :] = table[ENDS, :]
     keys = np.full((bodies, KINDS, 3), np.nan)
     return RowWave(
-        along, normal, gs, gn, ends, np.zeros(ends.size), base, tables, keys, np.zeros(bodies)
+        along,
+        normal,
+        gravity_along,
+        gravity_normal,
+        ends,
+        np.zeros(ends.size),
+        base,
+        tables,
+        keys,
+        np.zeros(bodies),
     )
 
 
@@ -122,7 +133,7 @@ def _fill_pushes(table: Floats, part: int, column: int, along: float, normal: fl
 
 
 @borrowing
-def of_kind(
+def combined_wave(
     drive: RowWave, body: int, kind: int, along: float, normal: float, pull: float
 ) -> WaveDrive:
     """Return the wave with the acceleration a P(tau) + b S(tau) - k, its sign changes filled.
@@ -130,30 +141,34 @@ def of_kind(
     It goes into row set `kind` of the table of `body`; if that holds the same already, nothing is
     computed. With the pull `SLOPE` it is the derivative of the sums.
     """
+    # P and S are the pushes along and normal. In a table, rows 2 kind and 2 kind + 1 hold the sines
+    # and cosines by order, or row 2 kind the levels of the steps.
     base = drive.base
     wave = WaveDrive(
-        drive.tables[body], base.orders, base.steps, base.gs, base.gn, base.mu_s, base.mu_k,
-        base.c, base.s,
+        drive.tables[body], base.orders, base.steps, base.gravity_along, base.gravity_normal,
+        base.mu_s, base.mu_k, base.push_along, base.push_normal,
     )  # fmt: skip
-    keys = drive.keys[body, kind]
-    if keys[0] == along and keys[1] == normal and keys[2] == pull:
+    stored = drive.keys[body, kind]
+    if stored[0] == along and stored[1] == normal and stored[2] == pull:
         return wave
-    keys[0], keys[1], keys[2] = along, normal, pull
-    table, known = wave.table, base.table
+    stored[0], stored[1], stored[2] = along, normal, pull
+    table, push_table = wave.table, base.table
     table[PULLS, kind] = 0.0 if pull == SLOPE else pull
     if base.steps > 0:
         for step in range(base.steps):
-            table[2 * kind, step] = along * known[2 * AIR, step] + normal * known[2 * NORMAL, step]
+            table[2 * kind, step] = (
+                along * push_table[2 * AIR, step] + normal * push_table[2 * NORMAL, step]
+            )
         fill_passages(wave, kind)
         return wave
     size = 0.0
     for k in range(1, base.orders + 1):
-        a = along * known[2 * AIR, k] + normal * known[2 * NORMAL, k]
-        b = along * known[2 * AIR + 1, k] + normal * known[2 * NORMAL + 1, k]
+        sine_part = along * push_table[2 * AIR, k] + normal * push_table[2 * NORMAL, k]
+        cosine_part = along * push_table[2 * AIR + 1, k] + normal * push_table[2 * NORMAL + 1, k]
         if pull == SLOPE:
-            a, b = -k * b, k * a
-        table[2 * kind, k], table[2 * kind + 1, k] = a, b
-        size += math.sqrt(a * a + b * b)
+            sine_part, cosine_part = -k * cosine_part, k * sine_part
+        table[2 * kind, k], table[2 * kind + 1, k] = sine_part, cosine_part
+        size += math.sqrt(sine_part * sine_part + cosine_part * cosine_part)
     table[ROOTS + kind, 0] = 0.0
     if size > abs(table[PULLS, kind]):
         fill_passages(wave, kind)
@@ -180,8 +195,8 @@ def lift_off(drive: RowWave, tau: float) -> float:
 def _until_rise(wave: WaveDrive, kind: int, tau: float) -> float:
     # A rise a hair before tau is at tau: of two neighbours whose frictions differ by a last bit the
     # second would else start a turn later.
-    turned = tau + TURN
-    return max(0.0, next_of_way(wave, kind, turned - SAME, True) - turned)
+    next_turn = tau + TURN
+    return max(0.0, next_crossing(wave, kind, next_turn - SAME, True) - next_turn)
 
 
 @borrowing
@@ -207,11 +222,12 @@ def backward_speed(drive: RowWave) -> float:
 
 @borrowing
 def first_rise(
-    drive: RowWave, body: int, way: int, along: float, normal: float, level: float, tau: float
+    drive: RowWave, body: int, direction: int, along: float, normal: float, level: float, tau: float
 ) -> float:
     """Return the phase in rad until `along` P + `normal` S rises above `level`; inf if never."""
-    kind = STATIC_FORWARD if way > 0 else STATIC_BACKWARD
-    wave = of_kind(drive, body, kind, along, normal, level)
+    # P and S are the pushes along and normal; each direction has its own room in the tables.
+    kind = STATIC_FORWARD if direction > 0 else STATIC_BACKWARD
+    wave = combined_wave(drive, body, kind, along, normal, level)
     return _until_rise(wave, kind, tau)
 
 
@@ -219,12 +235,12 @@ def first_rise(
 
 
 @borrowing
-def set_flow(
-    row: Row, drive: RowWave, body: int, moves: bool, friction: float, drag: float
+def set_acceleration(
+    row: Row, drive: RowWave, body: int, moves: bool, friction: float, pull: float
 ) -> None:
     """Set factors and pull of a body's acceleration a P + b S - k: 0 unless it `moves`."""
-    row.gain[body], row.drag[body] = 1.0 if moves else 0.0, drag
-    drive.share[body] = friction if moves else 0.0
+    row.push_factor[body], row.pull[body] = 1.0 if moves else 0.0, pull
+    drive.normal_factor[body] = friction if moves else 0.0
 
 
 @borrowing
@@ -234,115 +250,163 @@ def at_phase(drive: RowWave, tau: float) -> float:
 
 
 @borrowing
-def stop_until(row: Row, drive: RowWave, part: int, now: float, span: float) -> float:
+def stop_until(row: Row, drive: RowWave, part: int, phase_now: float, span: float) -> float:
     """Return the phase in rad until a sliding part's velocity is 0; inf if not within `span`."""
-    v, way, k = row.speed[part], row.mode[part], row.drag[part]
-    a, b = row.gain[part], drive.share[part]
-    most = (abs(a) * drive.c + abs(b) * drive.s + way * k) * span
-    if way * v - most > ROUNDING * (abs(v) + abs(most)):
+    velocity, direction, k = row.speed[part], row.mode[part], row.pull[part]
+    a, b = row.push_factor[part], drive.normal_factor[part]
+    largest_change = (abs(a) * drive.push_along + abs(b) * drive.push_normal + direction * k) * span
+    if direction * velocity - largest_change > ROUNDING * (abs(velocity) + abs(largest_change)):
         return math.inf
-    kind = FORWARD if way > 0 else BACKWARD
-    wave = of_kind(drive, part, kind, a, b, k)
-    passes, force = next_passage(wave, kind, now)[0] - now, way * acceleration(wave, kind, now)
-    if passes > SAME:
-        if force > 0.0 and passes >= span:
+    kind = FORWARD if direction > 0 else BACKWARD
+    wave = combined_wave(drive, part, kind, a, b, k)
+    to_passage, acceleration_ahead = (
+        next_passage(wave, kind, phase_now)[0] - phase_now,
+        direction * acceleration(wave, kind, phase_now),
+    )
+    if to_passage > SAME:
+        if acceleration_ahead > 0.0 and to_passage >= span:
             return math.inf
         # It moves no more, or its neighbour's stop has turned it a hair: it is no start, of which
         # the acceleration is 0, or passes through 0 now, but for rounding.
-        if way * v <= 0.0 and force < -RESOLVED:
+        if direction * velocity <= 0.0 and acceleration_ahead < -RESOLVED:
             return 0.0
-    until = stop_after(wave, float(way), v, now, span)
+    until = stop_after(wave, float(direction), velocity, phase_now, span)
     return until if until >= 0.0 else math.inf
 
 
 @borrowing
-def contact_until(row: Row, drive: RowWave, contact: int, now: float, span: float) -> float:
+def contact_until(row: Row, drive: RowWave, contact: int, phase_now: float, span: float) -> float:
     """Return the phase in rad until a gap in a row closes; inf if not within `span`.
 
     As under a sine, between two phases at which a P + b S - k changes sign (theory 17.3).
     """
-    one, other = contact, contact + 1
-    a, b = row.gain[other] - row.gain[one], drive.share[other] - drive.share[one]
-    k, v = row.drag[other] - row.drag[one], row.speed[other] - row.speed[one]
-    g, steady = row.gap[contact], a == 0.0 and b == 0.0 and k == 0.0
-    if steady and v >= 0.0:
+    rear, front = contact, contact + 1
+    a, b = (
+        row.push_factor[front] - row.push_factor[rear],
+        drive.normal_factor[front] - drive.normal_factor[rear],
+    )
+    k, gap_rate = row.pull[front] - row.pull[rear], row.speed[front] - row.speed[rear]
+    gap, steady = row.gap[contact], a == 0.0 and b == 0.0 and k == 0.0
+    if steady and gap_rate >= 0.0:
         return math.inf
-    most = abs(a) * drive.c + abs(b) * drive.s
-    met, pull = min(v, 0.0) * span, max(most + k, 0.0) * span * span / 2.0
-    if g + met - pull > ROUNDING * (g - met + pull):
+    largest_push = abs(a) * drive.push_along + abs(b) * drive.push_normal
+    approach, largest_loss = (
+        min(gap_rate, 0.0) * span,
+        max(largest_push + k, 0.0) * span * span / 2.0,
+    )
+    if gap + approach - largest_loss > ROUNDING * (gap - approach + largest_loss):
         return math.inf
-    wave = of_kind(drive, contact, NORMAL, a, b, k)
-    size = 1e-15 * (most + abs(k) + abs(v))
-    low, before, left, start = 0.0, v, g, speed_start(wave, NORMAL, now)
+    wave = combined_wave(drive, contact, NORMAL, a, b, k)
+    rounding = 1e-15 * (largest_push + abs(k) + abs(gap_rate))
+    low, rate_at_low, gap_at_low, push_integral = (
+        0.0,
+        gap_rate,
+        gap,
+        push_integral_at(wave, NORMAL, phase_now),
+    )
     for _ in range(MAX_PIECES):
-        high = min(span, later_passage(wave, NORMAL, now + low)[0] - now)
-        after, way = flow(wave, NORMAL, v, now, high)
-        if before < 0.0 < after and left + before * (high - low) <= ROUNDING * (left + abs(way)):
-            turn = zero_of_velocity(wave, NORMAL, v, now, start, low, high, before, after)
-            if g + flow(wave, NORMAL, v, now, turn)[1] < -size:
-                return _closed(wave, g, v, now, low, turn)
-        if g + way < -size:
-            if after < 0.0 < before:  # it opens before it closes
-                low = zero_of_velocity(wave, NORMAL, v, now, start, low, high, before, after)
-            return _closed(wave, g, v, now, low, high)
+        high = min(span, later_passage(wave, NORMAL, phase_now + low)[0] - phase_now)
+        rate_at_high, distance_at_high = flow(wave, NORMAL, gap_rate, phase_now, high)
+        if rate_at_low < 0.0 < rate_at_high and gap_at_low + rate_at_low * (
+            high - low
+        ) <= ROUNDING * (gap_at_low + abs(distance_at_high)):
+            least_phase = zero_of_velocity(
+                wave,
+                NORMAL,
+                gap_rate,
+                phase_now,
+                push_integral,
+                low,
+                high,
+                rate_at_low,
+                rate_at_high,
+            )
+            if gap + flow(wave, NORMAL, gap_rate, phase_now, least_phase)[1] < -rounding:
+                return _contact_between(wave, gap, gap_rate, phase_now, low, least_phase)
+        if gap + distance_at_high < -rounding:
+            if rate_at_high < 0.0 < rate_at_low:  # it opens before it closes
+                low = zero_of_velocity(
+                    wave,
+                    NORMAL,
+                    gap_rate,
+                    phase_now,
+                    push_integral,
+                    low,
+                    high,
+                    rate_at_low,
+                    rate_at_high,
+                )
+            return _contact_between(wave, gap, gap_rate, phase_now, low, high)
         if high == span:
             break
-        low, before, left = high, after, g + way
+        low, rate_at_low, gap_at_low = high, rate_at_high, gap + distance_at_high
     return math.inf
 
 
 @borrowing
-def _closed(wave: WaveDrive, g: float, v: float, tau: float, low: float, high: float) -> float:
-    if low == 0.0 and g <= 0.0:
+def _contact_between(
+    wave: WaveDrive, gap: float, gap_rate: float, tau: float, low: float, high: float
+) -> float:
+    if low == 0.0 and gap <= 0.0:
         return 0.0
-    return landing_root(wave, g, v, tau, low, high)
+    return landing_root(wave, gap, gap_rate, tau, low, high)
 
 
 @borrowing
 def relative_push(row: Row, drive: RowWave, contact: int, tau: float) -> float:
     """Return the drive's part in the relative acceleration of two neighbours in a row, in g."""
-    a = row.gain[contact + 1] - row.gain[contact]
-    b = drive.share[contact + 1] - drive.share[contact]
-    along, normal = acceleration(drive.base, FORWARD, tau), acceleration(drive.base, BACKWARD, tau)
-    return a * along + b * normal
+    a = row.push_factor[contact + 1] - row.push_factor[contact]
+    b = drive.normal_factor[contact + 1] - drive.normal_factor[contact]
+    push_along, push_normal = (
+        acceleration(drive.base, FORWARD, tau),
+        acceleration(drive.base, BACKWARD, tau),
+    )
+    return a * push_along + b * push_normal
 
 
 @borrowing
-def swung(drive: RowWave, tau: float, span: float) -> Swung:
+def drive_integrals(drive: RowWave, tau: float, span: float) -> DriveIntegrals:
     """Return velocities and distances that both pushes add over `span` rad from phase `tau`."""
-    swing, sway = flow(drive.base, FORWARD, 0.0, tau, span)
-    normal_swing, normal_sway = flow(drive.base, BACKWARD, 0.0, tau, span)
-    return Swung(swing, sway, normal_swing, normal_sway)
+    velocity_along, distance_along = flow(drive.base, FORWARD, 0.0, tau, span)
+    velocity_normal, distance_normal = flow(drive.base, BACKWARD, 0.0, tau, span)
+    return DriveIntegrals(velocity_along, distance_along, velocity_normal, distance_normal)
 
 
 @borrowing
-def carried(row: Row, drive: RowWave, body: int, by: Swung, span: float) -> tuple[float, float]:
+def change_over_span(
+    row: Row, drive: RowWave, body: int, integrals: DriveIntegrals, span: float
+) -> tuple[float, float]:
     """Return the change of velocity and of position of a body over a phase, in g/w and g/w^2."""
-    a, b, k = row.gain[body], drive.share[body], row.drag[body]
+    a, b, k = row.push_factor[body], drive.normal_factor[body], row.pull[body]
     return (
-        a * by.swing + b * by.normal_swing - k * span,
-        row.speed[body] * span + a * by.sway + b * by.normal_sway - k * (span * span / 2.0),
+        a * integrals.velocity_along + b * integrals.velocity_normal - k * span,
+        row.speed[body] * span
+        + a * integrals.distance_along
+        + b * integrals.distance_normal
+        - k * (span * span / 2.0),
     )
 
 
 @borrowing
-def swept(drive: RowWave, tau: float, span: float) -> tuple[float, float]:
+def drive_double_integrals(drive: RowWave, tau: float, span: float) -> tuple[float, float]:
     """Return the integrals of the distances that both pushes add over `span` from phase `tau`."""
-    return _swept(drive.base, FORWARD, tau, span), _swept(drive.base, BACKWARD, tau, span)
+    return _double_integral(drive.base, FORWARD, tau, span), _double_integral(
+        drive.base, BACKWARD, tau, span
+    )
 
 
 @borrowing
-def _swept(base: WaveDrive, kind: int, tau: float, d: float) -> float:
+def _double_integral(base: WaveDrive, kind: int, tau: float, d: float) -> float:
     if base.steps > 0:
         return acceleration(base, kind, tau + 0.5 * d) * d * d * d / 6.0
     _, _, first, second = integrals(base, kind, tau)
     # P3(tau + D) - P3(tau) - P2 D - P1 D^2/2 with the first to third integral of the push.
-    third, third_after = _third(base, kind, tau), _third(base, kind, tau + d)
+    third, third_after = _third_integral(base, kind, tau), _third_integral(base, kind, tau + d)
     return third_after - third - d * (second + first * d / 2.0)
 
 
 @borrowing
-def _third(base: WaveDrive, kind: int, tau: float) -> float:
+def _third_integral(base: WaveDrive, kind: int, tau: float) -> float:
     total = 0.0
     for k in range(1, base.orders + 1):
         a, b = base.table[2 * kind, k], base.table[2 * kind + 1, k]
@@ -351,52 +415,55 @@ def _third(base: WaveDrive, kind: int, tau: float) -> float:
 
 
 @borrowing
-def gap_swept(row: Row, drive: RowWave, contact: int, by: tuple[float, float]) -> float:
+def gap_integral_of_drive(
+    row: Row, drive: RowWave, contact: int, integrals: tuple[float, float]
+) -> float:
     """Return the share of the drive in the integral of a gap over a phase."""
-    a = row.gain[contact + 1] - row.gain[contact]
-    b = drive.share[contact + 1] - drive.share[contact]
-    return a * by[0] + b * by[1]
+    a = row.push_factor[contact + 1] - row.push_factor[contact]
+    b = drive.normal_factor[contact + 1] - drive.normal_factor[contact]
+    return a * integrals[0] + b * integrals[1]
 
 
 # --- forces on a stop
 
 
 @borrowing
-def sizes(drive: RowWave) -> tuple[float, float]:
+def push_sizes(drive: RowWave) -> tuple[float, float]:
     """Return the amplitudes of which `along` and `normal` are multiples below: 1 and 1."""
     return 1.0, 1.0
 
 
 @borrowing
-def above(
-    drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
+def positive_impulse(
+    drive: RowWave, body: int, along: float, normal: float, pull: float, tau: float, span: float
 ) -> float:
     """Return the integral of the positive part of a force, max(0, a P + b S - k), over a phase."""
-    wave = of_kind(drive, body, AIR, along, normal, drag)
-    total, at = 0.0, 0.0
-    while at < span:
-        until = min(span, later_passage(wave, AIR, tau + at)[0] - tau)
-        if acceleration(wave, AIR, tau + 0.5 * (at + until)) > 0.0:
-            total += flow(wave, AIR, 0.0, tau + at, until - at)[0]
-        at = until
+    wave = combined_wave(drive, body, AIR, along, normal, pull)
+    total, begin = 0.0, 0.0
+    while begin < span:
+        until = min(span, later_passage(wave, AIR, tau + begin)[0] - tau)
+        if acceleration(wave, AIR, tau + 0.5 * (begin + until)) > 0.0:
+            total += flow(wave, AIR, 0.0, tau + begin, until - begin)[0]
+        begin = until
     return total
 
 
 @borrowing
-def highest(
-    drive: RowWave, body: int, along: float, normal: float, drag: float, tau: float, span: float
+def largest_force(
+    drive: RowWave, body: int, along: float, normal: float, pull: float, tau: float, span: float
 ) -> float:
-    """Return the largest value of `along` P + `normal` S - `drag` over a phase."""
+    """Return the largest `along` P + `normal` S - `pull` over a phase, with the pushes P and S."""
     if drive.base.steps > 0:
         step = step_at(drive.base, tau + 0.5 * span)
         levels = drive.base.table
-        return along * levels[2 * AIR, step] + normal * levels[2 * NORMAL, step] - drag
-    wave = of_kind(drive, body, NORMAL, along, normal, SLOPE)
-    at, best = tau, -math.inf
+        return along * levels[2 * AIR, step] + normal * levels[2 * NORMAL, step] - pull
+    # Its extremes lie where the derivative of the sums changes sign.
+    wave = combined_wave(drive, body, NORMAL, along, normal, SLOPE)
+    phase, largest = tau, -math.inf
     while True:
-        push = value_and_slope(push_of(drive.base, AIR), at)[0]
-        lift = value_and_slope(push_of(drive.base, NORMAL), at)[0]
-        best = max(best, along * push + normal * lift - drag)
-        if at >= tau + span:
-            return best
-        at = min(tau + span, later_passage(wave, NORMAL, at)[0])
+        push = value_and_slope(push_of(drive.base, AIR), phase)[0]
+        lift = value_and_slope(push_of(drive.base, NORMAL), phase)[0]
+        largest = max(largest, along * push + normal * lift - pull)
+        if phase >= tau + span:
+            return largest
+        phase = min(tau + span, later_passage(wave, NORMAL, phase)[0])

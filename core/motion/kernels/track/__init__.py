@@ -4,6 +4,6 @@ Phases in rad, lengths in g/w^2, velocities in g/w. In each mode of contact the 
 series; the first root of a polynomial ends a step where something happens.
 """
 
-from vibrafeed.core.motion.kernels.track.space_cells import follow, solve_cells, spend_cells
+from vibrafeed.core.motion.kernels.track.space_cells import follow, power_cells, solve_cells
 
-__all__ = ["follow", "solve_cells", "spend_cells"]
+__all__ = ["follow", "power_cells", "solve_cells"]

@@ -35,121 +35,131 @@ it ends on a straight line."""
 
 @compiled
 def friction_impulse(
-    slip_1: float, slip_2: float, hold: float, slide: float, response: float
+    slip_1: float, slip_2: float, static_limit: float, kinetic_impulse: float, response: float
 ) -> tuple[float, float, bool]:
     """Return the friction impulse (two components) at one contact, and True if it sticks.
 
     Per mass, in g/w; a unit impulse changes the slip by 1 and by r = `response`. It sticks if an
-    impulse of at most `hold` can stop it; else the impulse is -q e, with q = `slide` and e =
-    (s_1/(z + q), s_2/(z + r q)) along the slip that is left, where |e| = 1 gives z: the secular
-    equation of theory 7.3.
+    impulse of at most `static_limit` can stop it; else the impulse is -q e, with q =
+    `kinetic_impulse` and e = (s_1/(z + q), s_2/(z + r q)) along the slip that is left, where |e| =
+    1 gives z: the secular equation of theory 7.3.
     """
     stop_2 = slip_2 / response
-    if slip_1 * slip_1 + stop_2 * stop_2 <= hold * hold:
+    if slip_1 * slip_1 + stop_2 * stop_2 <= static_limit * static_limit:
         return -slip_1, -stop_2, True
-    left = math.hypot(slip_1, slip_2)
+    slip_size = math.hypot(slip_1, slip_2)
     if response == 1.0:
-        return -slide * slip_1 / left, -slide * slip_2 / left, False
+        return -kinetic_impulse * slip_1 / slip_size, -kinetic_impulse * slip_2 / slip_size, False
     # Newton on 1/|e(z)| = 1, concave: from below the root it rises and cannot overshoot.
-    z = max(0.0, abs(slip_1) - slide, abs(slip_2) - response * slide, left - response * slide)
+    z = max(
+        0.0,
+        abs(slip_1) - kinetic_impulse,
+        abs(slip_2) - response * kinetic_impulse,
+        slip_size - response * kinetic_impulse,
+    )
     e_1, e_2 = 0.0, 0.0
     for _ in range(MAX_NEWTON):
-        e_1 = slip_1 / (z + slide)
-        e_2 = slip_2 / (z + response * slide)
+        e_1 = slip_1 / (z + kinetic_impulse)
+        e_2 = slip_2 / (z + response * kinetic_impulse)
         square = e_1 * e_1 + e_2 * e_2
-        slope = e_1 * e_1 / (z + slide) + e_2 * e_2 / (z + response * slide)
+        slope = e_1 * e_1 / (z + kinetic_impulse) + e_2 * e_2 / (z + response * kinetic_impulse)
         step = square * (math.sqrt(square) - 1.0) / slope
         z += step
-        if not step > 1e-14 * left:
+        if not step > 1e-14 * slip_size:
             break
     size = math.hypot(e_1, e_2)
-    return -slide * e_1 / size, -slide * e_2 / size, False
+    return -kinetic_impulse * e_1 / size, -kinetic_impulse * e_2 / size, False
 
 
 @borrowing
-def rebound(speed: float, load: float, restitution: float, ahead: float) -> float:
+def rebound(speed: float, load: float, restitution: float, to_next_event: float) -> float:
     """Return the restitution of an impact: `restitution`, or 0 if its hops are to be left out.
 
     The hops last T = 2 w/(L (1 - eps)), w = eps v, and are left out if w T < 1e-13 and T <
-    `ahead`/1000, the phase to the next event. Their impulses add up to what the contact carries in
-    their time, less w (theory 13.5).
+    `to_next_event`/1000, the phase to the next event. Their impulses add up to what the contact
+    carries in their time, less w (theory 13.5).
     """
     if restitution >= 1.0 or not load > 0.0:
         return restitution
-    after = restitution * speed
-    left = 2.0 * after / (load * (1.0 - restitution))
-    return 0.0 if after * left < SETTLED_EXACTLY and left < SETTLED_TIME * ahead else restitution
+    rebound_speed = restitution * speed
+    hop_time = 2.0 * rebound_speed / (load * (1.0 - restitution))
+    return (
+        0.0
+        if rebound_speed * hop_time < SETTLED_EXACTLY and hop_time < SETTLED_TIME * to_next_event
+        else restitution
+    )
 
 
 @borrowing
-def strike(
+def solve_impacts(
     step: StepSettings,
     cell: Cell,
     state: Floats,
-    floor: float,
-    wall: float,
-    bounce: float,
-    rear: float,
+    floor_speed: float,
+    wall_speed: float,
+    floor_restitution: float,
+    wall_restitution: float,
 ) -> None:
     """Change the velocities in `state` by an impact on the floor, on the wall, or on both at once.
 
-    `floor` and `wall` are the speeds of approach, 0 without an impact, `bounce` and `rear` their
-    restitutions. Newton's law holds normal to each, u_n+ = -eps u_n-, and Coulomb's along it: an
-    impulse of |i_t| <= mu i_n stops the slip if it can (theory 13.1). Two impacts at once are
-    solved in turn until their impulses no longer change.
+    The speeds are those of approach, 0 without an impact. Newton's law holds normal to each, u_n+ =
+    -eps u_n-, and Coulomb's along it: an impulse of |i_t| <= mu i_n stops the slip if it can
+    (theory 13.1). Two impacts at once are solved in turn until their impulses no longer change.
     """
     ux, uy, uz = STATE.ux, STATE.uy, STATE.uz
-    normal, side, fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    small = STEADY * (floor + wall + abs(state[ux]))
+    floor_impulse, wall_impulse, floor_x, floor_y, wall_x, wall_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    tolerance = STEADY * (floor_speed + wall_speed + abs(state[ux]))
     for _ in range(MAX_SWEEPS):
         change = 0.0
-        if floor > 0.0:
-            new = max(0.0, normal + bounce * floor - state[uz])
-            state[uz] += new - normal
-            change, normal = change + abs(new - normal), new
-        if wall > 0.0:
-            new = max(0.0, side + rear * wall - state[uy])
-            state[uy] += new - side
-            change, side = change + abs(new - side), new
-        if floor > 0.0:
-            limit = cell.friction_kinetic * normal
-            new_1, new_2 = rub_floor(step.rolling, state, fx, fy, limit)
-            change += abs(new_1 - fx) + abs(new_2 - fy)
-            fx, fy = new_1, new_2
-        if wall > 0.0:
-            limit = cell.wall_friction * side
-            new_1, new_2, held = impulse(state[ux] - wx, state[uz] - wz, limit, 1.0)
-            change += abs(new_1 - wx) + abs(new_2 - wz)
-            state[ux] = 0.0 if held else state[ux] + new_1 - wx
-            state[uz] = 0.0 if held else state[uz] + new_2 - wz
-            wx, wz = new_1, new_2
-        if change <= small or not (floor > 0.0 and wall > 0.0):
+        if floor_speed > 0.0:
+            new_impulse = max(0.0, floor_impulse + floor_restitution * floor_speed - state[uz])
+            state[uz] += new_impulse - floor_impulse
+            change, floor_impulse = change + abs(new_impulse - floor_impulse), new_impulse
+        if wall_speed > 0.0:
+            new_impulse = max(0.0, wall_impulse + wall_restitution * wall_speed - state[uy])
+            state[uy] += new_impulse - wall_impulse
+            change, wall_impulse = change + abs(new_impulse - wall_impulse), new_impulse
+        if floor_speed > 0.0:
+            limit = cell.friction_kinetic * floor_impulse
+            new_1, new_2 = update_floor_friction(step.rolling, state, floor_x, floor_y, limit)
+            change += abs(new_1 - floor_x) + abs(new_2 - floor_y)
+            floor_x, floor_y = new_1, new_2
+        if wall_speed > 0.0:
+            limit = cell.wall_friction * wall_impulse
+            new_1, new_2, sticks = stopping_impulse(
+                state[ux] - wall_x, state[uz] - wall_z, limit, 1.0
+            )
+            change += abs(new_1 - wall_x) + abs(new_2 - wall_z)
+            state[ux] = 0.0 if sticks else state[ux] + new_1 - wall_x
+            state[uz] = 0.0 if sticks else state[uz] + new_2 - wall_z
+            wall_x, wall_z = new_1, new_2
+        if change <= tolerance or not (floor_speed > 0.0 and wall_speed > 0.0):
             break
-    if floor > 0.0 and (bounce == 0.0 or state[uz] < 0.0):
+    if floor_speed > 0.0 and (floor_restitution == 0.0 or state[uz] < 0.0):
         state[uz] = 0.0
-    if wall > 0.0 and (rear == 0.0 or state[uy] < 0.0):
+    if wall_speed > 0.0 and (wall_restitution == 0.0 or state[uy] < 0.0):
         state[uy] = 0.0
 
 
 @borrowing
-def rub_floor(
-    rolling: float, state: Floats, fx: float, fy: float, limit: float
+def update_floor_friction(
+    rolling: float, state: Floats, floor_x: float, floor_y: float, limit: float
 ) -> tuple[float, float]:
     """Replace the friction impulse of the floor in `state` by the present one; return it."""
     ux, uy, spin, response = STATE.ux, STATE.uy, STATE.spin, 1.0 + rolling
-    slip_1, slip_2 = state[ux] - fx, state[uy] + state[spin] - response * fy
-    new_1, new_2, held = impulse(slip_1, slip_2, limit, response)
-    state[ux] = 0.0 if held else state[ux] + new_1 - fx
-    state[uy] += new_2 - fy
+    slip_1, slip_2 = state[ux] - floor_x, state[uy] + state[spin] - response * floor_y
+    new_1, new_2, sticks = stopping_impulse(slip_1, slip_2, limit, response)
+    state[ux] = 0.0 if sticks else state[ux] + new_1 - floor_x
+    state[uy] += new_2 - floor_y
     if rolling > 0.0:
-        state[spin] = -state[uy] if held else state[spin] + rolling * (new_2 - fy)
-    elif held:
+        state[spin] = -state[uy] if sticks else state[spin] + rolling * (new_2 - floor_y)
+    elif sticks:
         state[uy] = 0.0
     return new_1, new_2
 
 
 @borrowing
-def impulse(
+def stopping_impulse(
     slip_1: float, slip_2: float, limit: float, response: float
 ) -> tuple[float, float, bool]:
     """Return the friction impulse on a slip (two components), and True if it stops the slip."""
@@ -159,7 +169,7 @@ def impulse(
 
 
 @borrowing
-def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
+def acceleration_across(cell: Cell, state: Floats, work: Work) -> float:
     """Return the acceleration across of a part without contacts, D_y - kappa V^2, in g.
 
     V = u_x + v_track is the speed in space along a curve of curvature number kappa (theory 13.1).
@@ -169,38 +179,44 @@ def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
 
 
 @borrowing
-def hit(step: StepSettings, cell: Cell, state: Floats, bent: float, work: Work) -> None:
+def apply_impact(
+    step: StepSettings, cell: Cell, state: Floats, push_across: float, work: Work
+) -> None:
     """Change the velocities in `state` by the impact of a part on the floor, the wall or both."""
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
-    floor = -state[uz] if state[z] == 0.0 and state[uz] < 0.0 else 0.0
-    wall = -state[uy] if step.wall and state[y] == 0.0 and state[uy] < 0.0 else 0.0
-    bounce, rear = cell.restitution, cell.wall_restitution
-    if floor > 0.0:
-        ahead = min(step.lift, step.even, 1.0)
-        bounce = rebound(floor, -work[ROW.free + 2, 0], bounce, ahead)
-    if wall > 0.0:
-        rear = rebound(wall, -bent, rear, min(step.even, 1.0))
-    strike(step, cell, state, floor, wall, bounce, rear)
+    floor_speed = -state[uz] if state[z] == 0.0 and state[uz] < 0.0 else 0.0
+    wall_speed = -state[uy] if step.wall and state[y] == 0.0 and state[uy] < 0.0 else 0.0
+    floor_restitution, wall_restitution = cell.restitution, cell.wall_restitution
+    if floor_speed > 0.0:
+        to_next_event = min(step.to_lift_off, step.to_jump, 1.0)
+        floor_restitution = rebound(
+            floor_speed, -work[ROW.free + 2, 0], floor_restitution, to_next_event
+        )
+    if wall_speed > 0.0:
+        wall_restitution = rebound(
+            wall_speed, -push_across, wall_restitution, min(step.to_jump, 1.0)
+        )
+    solve_impacts(step, cell, state, floor_speed, wall_speed, floor_restitution, wall_restitution)
 
 
 @borrowing
 def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> None:
     """Change the velocities and contacts of a part as the last event, in `hold`, demands."""
-    event, across, normal = hold[HOLD.event], ROW.free + 1, ROW.free + 2
+    event, row_across, row_normal = hold[HOLD.event], ROW.free + 1, ROW.free + 2
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
-    bent = pushed_across(cell, state, work)
+    push_across = acceleration_across(cell, state, work)
     if event in (EVENT.land, EVENT.bump):
-        hit(step, cell, state, bent, work)
+        apply_impact(step, cell, state, push_across, work)
     elif event == EVENT.lift:
-        work[normal, 0] = 0.0
+        work[row_normal, 0] = 0.0
     elif event == EVENT.leave:
-        work[across, 0] -= bent  # no force across is left
-    bent = 0.0 if event == EVENT.leave else pushed_across(cell, state, work)
+        work[row_across, 0] -= push_across  # no force across is left
+    push_across = 0.0 if event == EVENT.leave else acceleration_across(cell, state, work)
     on_floor = state[z] == 0.0 and state[uz] == 0.0 and event != EVENT.lift
-    on_floor = on_floor and (work[normal, 0] < 0.0 or event == EVENT.seat)
+    on_floor = on_floor and (work[row_normal, 0] < 0.0 or event == EVENT.seat)
     at_wall = step.wall and state[y] == 0.0 and state[uy] == 0.0
     at_wall = at_wall and event not in (EVENT.leave, EVENT.release)
-    at_wall = at_wall and (bent < 0.0 or event == EVENT.press)
+    at_wall = at_wall and (push_across < 0.0 or event == EVENT.press)
     hold[HOLD.contacts] = (FLOOR if on_floor else FREE) | (WALL if at_wall else FREE)
 
 
@@ -214,66 +230,70 @@ def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work:
     """
     contacts, event = hold[HOLD.contacts], hold[HOLD.event]
     ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
-    across = 0.0 if event == EVENT.leave else pushed_across(cell, state, work)
+    across = 0.0 if event == EVENT.leave else acceleration_across(cell, state, work)
     normal = work[ROW.free + 2, 0]
     static, kinetic, wall = cell.friction_static, cell.friction_kinetic, cell.wall_friction
     response, push_1, push_2 = 1.0, work[ROW.free, 0], 0.0
     slip_1, slip_2 = state[ux], 0.0
     if contacts == BOTH:
-        most, rub = -static * normal - wall * across, -kinetic * normal - wall * across
+        static_limit, friction = -static * normal - wall * across, -kinetic * normal - wall * across
     elif contacts == FLOOR:
         response, push_2 = 1.0 + step.rolling, across
         slip_2 = state[uy] + state[spin]
-        most, rub = -static * normal, -kinetic * normal
+        static_limit, friction = -static * normal, -kinetic * normal
     else:
         slip_2, push_2 = state[uz], normal
-        most = rub = -wall * across
+        static_limit = friction = -wall * across
     size = math.hypot(slip_1, slip_2)
-    need = math.hypot(push_1, push_2 / response)
+    needed = math.hypot(push_1, push_2 / response)
     if event == EVENT.stop or size <= GONE * step.tolerance:
         stop_slip(step, state, contacts, slip_2)
         size = 0.0
     hold[HOLD.slips] = 1
-    free_of_friction = rub == 0.0 and most == 0.0
+    free_of_friction = friction == 0.0 and static_limit == 0.0
     if free_of_friction or (contacts == BOTH and size > 0.0):
         return Begin(size, math.copysign(1.0, slip_1), 0.0, 0.0, False, False, 0.0)
     if size > 0.0:
         cosine, sine = slip_1 / size, slip_2 / size
-        rate = rub * (cosine * cosine + response * sine * sine) - push_1 * cosine - push_2 * sine
-        closes, least = closing(step.tolerance, size, rate, rub, need, push.size(work))
+        rate = (
+            friction * (cosine * cosine + response * sine * sine) - push_1 * cosine - push_2 * sine
+        )
+        closes, least = can_stop_straight(
+            step.tolerance, size, rate, friction, needed, push.drive_speed(work)
+        )
         return Begin(size, cosine, sine, rate, False, closes, least)
-    held_on = event in (EVENT.press, EVENT.release, EVENT.seat, EVENT.lift)
-    if held_on or (event != EVENT.slip and need <= most):
+    takes_over = event in (EVENT.press, EVENT.release, EVENT.seat, EVENT.lift)
+    if takes_over or (event != EVENT.slip and needed <= static_limit):
         hold[HOLD.slips] = 0
         return Begin(0.0, 0.0, 0.0, 0.0, False, False, 0.0)
     if contacts == BOTH:
         cosine, sine = math.copysign(1.0, push_1), 0.0
-        rate = max(0.0, need - rub)
+        rate = max(0.0, needed - friction)
     else:
-        cosine, sine = direction(push_1, push_2, rub, response)
+        cosine, sine = slip_direction(push_1, push_2, friction, response)
         rate = push_1 * cosine + push_2 * sine
-        rate -= rub * (cosine * cosine + response * sine * sine)
+        rate -= friction * (cosine * cosine + response * sine * sine)
     if event == EVENT.slip and (contacts == WALL or static == kinetic):
         rate = 0.0  # no force is left over
     return Begin(0.0, cosine, sine, max(0.0, rate), True, False, 0.0)
 
 
 @borrowing
-def closing(
-    tolerance: float, size: float, rate: float, rub: float, need: float, speed: float
+def can_stop_straight(
+    tolerance: float, size: float, rate: float, friction: float, needed: float, drive_speed: float
 ) -> tuple[bool, float]:
     """Return True if a slip may be followed straight to its stop, and the size to look at it again.
 
     True if r^2 <= 3 tol s, with its speed r and the rest of friction s = rub - need, and r (1 +
     rub) speed <= s^2; else it may turn along the push first (theory 13.13).
     """
-    if not (rate > 0.0 and need <= rub):
+    if not (rate > 0.0 and needed <= friction):
         return False, tolerance
-    slack = rub - need
-    room = math.sqrt(NEAR_STOP * tolerance * slack)
-    if size > room:
-        return False, max(tolerance, 0.9 * room)
-    return size * (1.0 + rub) * speed <= slack * slack, tolerance
+    slack = friction - needed
+    largest_size = math.sqrt(NEAR_STOP * tolerance * slack)
+    if size > largest_size:
+        return False, max(tolerance, 0.9 * largest_size)
+    return size * (1.0 + friction) * drive_speed <= slack * slack, tolerance
 
 
 @borrowing
@@ -290,13 +310,15 @@ def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -
 
 
 @borrowing
-def direction(push_1: float, push_2: float, slide: float, response: float) -> tuple[float, float]:
+def slip_direction(
+    push_1: float, push_2: float, kinetic_impulse: float, response: float
+) -> tuple[float, float]:
     """Return the direction (cosine, sine) in which a contact begins to slip; (1, 0) without push.
 
     e = (D_1/(z + q), D_2/(z + r q)), with the z that makes e a unit vector.
     """
-    if slide > 0.0 and response != 1.0:
-        friction_1, friction_2, _ = friction_impulse(push_1, push_2, 0.0, slide, response)
+    if kinetic_impulse > 0.0 and response != 1.0:
+        friction_1, friction_2, _ = friction_impulse(push_1, push_2, 0.0, kinetic_impulse, response)
         push_1, push_2 = -friction_1, -friction_2
     size = math.hypot(push_1, push_2)
     return (push_1 / size, push_2 / size) if size > 0.0 else (1.0, 0.0)

@@ -99,10 +99,13 @@ def set_drive(cell: Cell, row: Floats, work: Work) -> None:
     work[ROW.wave, SIZE] = math.sqrt(
         cell.drive_number_along**2 + cell.drive_number_across**2 + cell.drive_number_normal**2
     )
-    weight, push = cell.gravity_number_normal, cell.drive_number_normal
-    if abs(push) > weight:
-        phase = math.asin(weight / abs(push))
-        work[ROW.lifts, 0], work[ROW.lifts, 1] = 1.0, phase if push > 0.0 else phase + math.pi
+    gravity_normal, push_normal = cell.gravity_number_normal, cell.drive_number_normal
+    if abs(push_normal) > gravity_normal:
+        phase = math.asin(gravity_normal / abs(push_normal))
+        work[ROW.lifts, 0], work[ROW.lifts, 1] = (
+            1.0,
+            phase if push_normal > 0.0 else phase + math.pi,
+        )
 
 
 @borrowing
@@ -115,8 +118,8 @@ def read_wave(cell: Cell, row: Floats, work: Work) -> None:
     for axis in range(3):
         speed = 0.0
         for k in range(1, orders + 1):
-            place = columns.along + 2 * axis * orders + k - 1
-            sine, cosine = row[place], row[place + orders]
+            column = columns.along + 2 * axis * orders + k - 1
+            sine, cosine = row[column], row[column + orders]
             work[ROW.sines + axis, k], work[ROW.cosines + axis, k] = sine, cosine
             speed += math.hypot(sine, cosine) / k
         square += speed * speed
@@ -138,35 +141,36 @@ def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
     size is returned (theory 13.14).
     """
     level, end, speed = ROW.levels + axis, ROW.levels + 3, ROW.speeds
-    at, now, mean, most = 0.0, 0.0, 0.0, 0.0
+    begin, velocity, mean, largest = 0.0, 0.0, 0.0, 0.0
     for step in range(steps):
-        last = work[end, step] - at
-        work[speed, step] = now
-        mean += (now - 0.5 * work[level, step] * last) * last
-        now -= work[level, step] * last
-        at = work[end, step]
+        duration = work[end, step] - begin
+        work[speed, step] = velocity
+        mean += (velocity - 0.5 * work[level, step] * duration) * duration
+        velocity -= work[level, step] * duration
+        begin = work[end, step]
     for step in range(steps):
         work[speed, step] -= mean / TURN
-        most = max(most, abs(work[speed, step]))
-    return most
+        largest = max(largest, abs(work[speed, step]))
+    return largest
 
 
 @borrowing
-def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
-    """Fill the phases at which a sum of sines lifts a part off the floor."""
+def fill_lift_offs(gravity_normal: float, orders: int, work: Work) -> None:
+    """Fill row `ROW.lifts`: the number of lift-offs, then the phases where S rises through n."""
     push, lifts = SineSum(work, ROW.sines + 2, ROW.cosines + 2, orders), ROW.lifts
-    found = passages(push, weight, lifts, MAX_ORDER)
-    rising = 0
-    for number in range(1, found + 1):
+    crossing_count = passages(push, gravity_normal, lifts, MAX_ORDER)
+    # Of all crossings those stay at which the push rises: written over the row's start, in order.
+    lift_off_count = 0
+    for number in range(1, crossing_count + 1):
         phase = work[lifts, number]
         if value_and_slope(push, phase)[1] > 0.0:
-            rising += 1
-            work[lifts, rising] = phase
-    work[lifts, 0] = float(rising)
+            lift_off_count += 1
+            work[lifts, lift_off_count] = phase
+    work[lifts, 0] = float(lift_off_count)
 
 
 @borrowing
-def size(work: Work) -> float:
+def drive_speed(work: Work) -> float:
     """Return the amplitude of the drive's velocity, |(p_x, p_y, p_z)|, or a bound for a wave."""
     return work[ROW.wave, SIZE]
 
@@ -188,15 +192,15 @@ def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
         return
     along, across = cell.drive_number_along, cell.drive_number_across
     normal = cell.drive_number_normal
-    value, change = math.sin(tau), math.cos(tau)
+    sine_term, cosine_term = math.sin(tau), math.cos(tau)
     push = ROW.free
-    work[ROW.track, 0] = along * change
+    work[ROW.track, 0] = along * cosine_term
     for k in range(order + 1):
-        work[push, k], work[push + 1, k] = along * value, across * value
-        work[push + 2, k] = normal * value
-        value, change = value * INVERSE[k + 1], change * INVERSE[k + 1]
-        work[ROW.track, k + 1] = -along * value
-        value, change = change, -value
+        work[push, k], work[push + 1, k] = along * sine_term, across * sine_term
+        work[push + 2, k] = normal * sine_term
+        sine_term, cosine_term = sine_term * INVERSE[k + 1], cosine_term * INVERSE[k + 1]
+        work[ROW.track, k + 1] = -along * sine_term
+        sine_term, cosine_term = cosine_term, -sine_term
 
 
 @borrowing
@@ -215,10 +219,13 @@ def fill_harmonics(tau: float, order: int, work: Work) -> None:
     speed = 0.0
     for k in range(1, int(work[ROW.wave, ORDERS]) + 1):
         for axis in range(3):
-            a, b = work[ROW.sines + axis, k], work[ROW.cosines + axis, k]
-            if a == 0.0 and b == 0.0:
+            sine_part, cosine_part = work[ROW.sines + axis, k], work[ROW.cosines + axis, k]
+            if sine_part == 0.0 and cosine_part == 0.0:
                 continue
-            value, change = a * sine + b * cosine, a * cosine - b * sine
+            value, change = (
+                sine_part * sine + cosine_part * cosine,
+                sine_part * cosine - cosine_part * sine,
+            )
             if axis == 0:
                 speed += change / k
             for n in range(order + 1):
@@ -249,10 +256,11 @@ def fill_step(tau: float, order: int, work: Work) -> None:
         work[ROW.free + axis, 0] = work[ROW.levels + axis, step]
         for n in range(1, order + 1):
             work[ROW.free + axis, n] = 0.0
-    since = tau - (work[ROW.levels + 3, step - 1] if step > 0 else 0.0)
+    # The row of ends follows the three of levels; the speed is that at the start of the step.
+    elapsed = tau - (work[ROW.levels + 3, step - 1] if step > 0 else 0.0)
     for n in range(order + 2):
         work[ROW.track, n] = 0.0
-    work[ROW.track, 0] = work[ROW.speeds, step] - work[ROW.levels, step] * since
+    work[ROW.track, 0] = work[ROW.speeds, step] - work[ROW.levels, step] * elapsed
     work[ROW.track, 1] = -work[ROW.levels, step]
 
 
@@ -281,8 +289,8 @@ def to_lift_off(work: Work, tau: float) -> float:
     """Return the phase in rad from `tau` until a part on the floor lifts off; infinite if never."""
     least = math.inf
     for number in range(int(work[ROW.lifts, 0])):
-        ahead = work[ROW.lifts, number + 1] - tau
-        if ahead < 0.0:
-            ahead = 0.0 if ahead > -LATE else ahead + TURN
-        least = min(least, ahead)
+        phase_ahead = work[ROW.lifts, number + 1] - tau
+        if phase_ahead < 0.0:
+            phase_ahead = 0.0 if phase_ahead > -LATE else phase_ahead + TURN
+        least = min(least, phase_ahead)
     return least

@@ -16,11 +16,11 @@ from vibrafeed.core.motion.kernels.inputs import (
     cell_of,
 )
 from vibrafeed.core.motion.kernels.means import (
-    ended,
     fill_means,
     mean_error,
     mean_velocity,
     scatter,
+    status_without_cycle,
 )
 from vibrafeed.core.motion.kernels.track import push
 from vibrafeed.core.motion.kernels.track.advance import advance
@@ -29,12 +29,12 @@ from vibrafeed.core.motion.kernels.track.settling import (
     NO_PHASES,
     History,
     Series,
-    Settled,
+    Settling,
+    follow_from_rest,
     follow_period,
+    follow_until_repeating,
     new_history,
-    remaining,
-    settle,
-    to_cycle,
+    remaining_transient,
 )
 
 FINE = Series(16, 1e-11)
@@ -81,15 +81,15 @@ def never_settles(cell: Cell, wall: bool) -> bool:
 
 
 @compiled
-def without_repeating(
-    cell: Cell, wall: bool, speed: float, history: History, done: int, result: Floats
+def fill_without_repeating(
+    cell: Cell, wall: bool, speed: float, history: History, periods: int, result: Floats
 ) -> int:
     """Fill the result of a motion that did not repeat, and return its status."""
-    travel, pull = history.tallies[:done, TALLY.travel], abs(cell.gravity_number_along)
-    status, batches = ended(cell, wall, pull, travel, TURN, LEAST_ERROR * speed)
+    travel, pull = history.tallies[:periods, TALLY.travel], abs(cell.gravity_number_along)
+    status, batches = status_without_cycle(cell, wall, pull, travel, TURN, LEAST_ERROR * speed)
     if status != STATUS.aperiodic:
         return status
-    fill_means(history.tallies, done // 4, done, TURN, result)
+    fill_means(history.tallies, periods // 4, periods, TURN, result)
     result[COLUMN.velocity] = np.mean(batches)
     result[COLUMN.spread] = scatter(batches)
     result[COLUMN.error] = mean_error(batches) + LEAST_ERROR * speed
@@ -97,7 +97,7 @@ def without_repeating(
 
 
 @compiled
-def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
+def status_without_motion(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
     """Return the status of a cell that needs no simulation (else `UNDECIDED`); True if it rubs."""
     total = 0.0
     for value in row:
@@ -105,15 +105,17 @@ def solve_at_once(cell: Cell, row: Floats, wall: bool) -> tuple[int, bool]:
     weightless = cell.gravity_number_normal <= 0.0
     if not math.isfinite(total) or weightless or int(cell.max_periods) < 1:
         return STATUS.limit_reached, False
-    rubs = cell.friction_kinetic + cell.friction_static > 0.0
+    has_friction = cell.friction_kinetic + cell.friction_static > 0.0
     if wall:
-        rubs = rubs or cell.wall_friction > 0.0
-    away = never_settles(cell, wall) if rubs else cell.gravity_number_along != 0.0
-    return STATUS.runaway if away else UNDECIDED, rubs
+        has_friction = has_friction or cell.wall_friction > 0.0
+    runs_away = never_settles(cell, wall) if has_friction else cell.gravity_number_along != 0.0
+    return STATUS.runaway if runs_away else UNDECIDED, has_friction
 
 
 @compiled
-def solve(row: Floats, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
+def fill_cell(
+    row: Floats, wall: bool, rolling: float, history: History, result: Floats
+) -> Settling:
     """Fill the result of a cell followed from rest in space; return how its motion repeats.
 
     The error is twice the difference to the velocity of other runs, plus the rest of the transient
@@ -121,29 +123,31 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
     """
     cell = cell_of(row)
     result[:] = math.nan
-    at_once, rubs = solve_at_once(cell, row, wall)
-    if at_once != UNDECIDED:
-        return Settled(at_once, 0, 0, math.inf)
+    early_status, has_friction = status_without_motion(cell, row, wall)
+    if early_status != UNDECIDED:
+        return Settling(early_status, 0, 0, math.inf)
     work = new_work()
-    settled, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
-    speed = push.size(work)
+    settled, state, hold = follow_from_rest(row, wall, rolling, FINE, history, work)
+    speed = push.drive_speed(work)
     if settled.multiple == 0:
         if settled.status == STATUS.aperiodic:
-            status = without_repeating(cell, wall, speed, history, settled.done, result)
-            return Settled(status, 0, settled.done, math.inf)
+            status = fill_without_repeating(cell, wall, speed, history, settled.periods, result)
+            return Settling(status, 0, settled.periods, math.inf)
         return settled
-    fill_means(history.tallies, settled.done - settled.multiple, settled.done, TURN, result)
+    fill_means(history.tallies, settled.periods - settled.multiple, settled.periods, TURN, result)
     result[COLUMN.multiple] = float(settled.multiple)
     if settled.status == STATUS.at_rest:
         result[COLUMN.velocity] = 0.0
         return settled
-    status = settled.status if rubs else STATUS.neutral
+    status = settled.status if has_friction else STATUS.neutral
     velocity = result[COLUMN.velocity]
     if cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0):
-        apart, confirmed = settled_anew(row, wall, rolling, settled, velocity, history, work)
+        difference, is_confirmed = difference_of_other_runs(
+            row, wall, rolling, settled, velocity, history, work
+        )
     else:
-        confirmed = True
-        apart = followed_on(
+        is_confirmed = True
+        difference = error_by_short_series(
             cell,
             wall,
             rolling,
@@ -154,21 +158,21 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
             history,
             work,
         )
-        if not apart < SLOWLY * speed:
-            other, _ = settled_velocity(
-                cell, wall, rolling, COARSE, settled.done, state, hold, history, work
+        if not difference < SLOWLY * speed:
+            coarse_velocity, _ = velocity_of_run(
+                cell, wall, rolling, COARSE, settled.periods, state, hold, history, work
             )
-            apart = abs(other - velocity)
-    error = 2.0 * apart + settled.left + LEAST_ERROR * speed
+            difference = abs(coarse_velocity - velocity)
+    error = 2.0 * difference + settled.transient + LEAST_ERROR * speed
     result[COLUMN.error] = error if error < 2.0 * speed else 2.0 * speed
-    if not confirmed or not error < max(SURELY, 100.0 * cell.tolerance) * speed:
+    if not is_confirmed or not error < max(SURELY, 100.0 * cell.tolerance) * speed:
         result[COLUMN.multiple] = 0.0
-        return Settled(STATUS.sensitive, 0, settled.done, error)
-    return Settled(status, settled.multiple, settled.done, settled.left)
+        return Settling(STATUS.sensitive, 0, settled.periods, error)
+    return Settling(status, settled.multiple, settled.periods, settled.transient)
 
 
 @compiled
-def followed_on(
+def error_by_short_series(
     cell: Cell, wall: bool, rolling: float, multiple: int, state: Floats, hold: Flags,
     velocity: float, history: History, work: Work,
 ) -> float:  # fmt: skip
@@ -178,12 +182,12 @@ def followed_on(
         if not follow_period(cell, wall, rolling, COARSE, period, state, hold, history, work):
             return math.nan
     travel = history.tallies[:, TALLY.travel]
-    off = abs(mean_velocity(travel, last - multiple, last, TURN) - velocity)
-    return off + remaining(wall, rolling, history, last - 1, multiple, 0)
+    difference = abs(mean_velocity(travel, last - multiple, last, TURN) - velocity)
+    return difference + remaining_transient(wall, rolling, history, last - 1, multiple, 0)
 
 
 @compiled
-def changed(row: Floats, hairs: float) -> Cell:
+def with_less_restitution(row: Floats, hairs: float) -> Cell:
     """Return a cell with restitutions of floor and wall reduced to e (1 - `hairs` 1e-12)."""
     row = row.copy()
     row[RESTITUTION] *= 1.0 - hairs * HAIR
@@ -192,49 +196,63 @@ def changed(row: Floats, hairs: float) -> Cell:
 
 
 @compiled
-def settled_anew(
-    row: Floats, wall: bool, rolling: float, settled: Settled, velocity: float, history: History,
+def difference_of_other_runs(
+    row: Floats, wall: bool, rolling: float, settled: Settling, velocity: float, history: History,
     work: Work,
 ) -> tuple[float, bool]:  # fmt: skip
     """Return the largest difference of other runs from a mean velocity, True if it is confirmed.
 
-    It is run again from rest with shorter series and `changed` restitutions. The mean is not
-    confirmed if a velocity strays by more than 0.1 of the drive's speed; three more runs then take
-    part (theory 13.13).
+    It is run again from rest with shorter series and `with_less_restitution` restitutions. The mean
+    is not confirmed if a velocity strays by more than 0.1 of the drive's speed; three more runs
+    then take part (theory 13.13).
     """
-    speeds = history.ends[: settled.done, STATE.ux].copy()
+    speeds = history.ends[: settled.periods, STATE.ux].copy()
     state, hold = at_rest()
-    other, done = settled_velocity(
-        changed(row, 1.0), wall, rolling, COARSE, settled.done, state, hold, history, work
+    run_velocity, periods = velocity_of_run(
+        with_less_restitution(row, 1.0),
+        wall,
+        rolling,
+        COARSE,
+        settled.periods,
+        state,
+        hold,
+        history,
+        work,
     )
-    most, strayed = abs(other - velocity), 0.0
-    for period in range(min(done, speeds.size)):
-        strayed = max(strayed, abs(history.ends[period, STATE.ux] - speeds[period]))
-    if strayed < STRAYED * push.size(work):
-        return most, True
-    for number in range(OTHERS):
-        series = Series(COARSE.order, COARSE.tolerance / (2.0 + number))
+    largest, largest_strayed = abs(run_velocity - velocity), 0.0
+    for period in range(min(periods, speeds.size)):
+        largest_strayed = max(largest_strayed, abs(history.ends[period, STATE.ux] - speeds[period]))
+    if largest_strayed < STRAYED * push.drive_speed(work):
+        return largest, True
+    for run in range(OTHERS):
+        series = Series(COARSE.order, COARSE.tolerance / (2.0 + run))
         state, hold = at_rest()
-        other, _ = settled_velocity(
-            changed(row, 2.0 + number), wall, rolling, series, settled.done, state, hold, history,
-            work,
+        run_velocity, _ = velocity_of_run(
+            with_less_restitution(row, 2.0 + run), wall, rolling, series, settled.periods, state,
+            hold, history, work,
         )  # fmt: skip
-        most = max(most, abs(other - velocity)) if math.isfinite(other) else math.nan
-    return most, False
+        largest = (
+            max(largest, abs(run_velocity - velocity)) if math.isfinite(run_velocity) else math.nan
+        )
+    return largest, False
 
 
 @compiled
-def settled_velocity(
-    cell: Cell, wall: bool, rolling: float, series: Series, done: int, state: Floats, hold: Flags,
-    history: History, work: Work,
+def velocity_of_run(
+    cell: Cell, wall: bool, rolling: float, series: Series, periods: int, state: Floats,
+    hold: Flags, history: History, work: Work,
 ) -> tuple[float, int]:  # fmt: skip
     """Return the mean velocity of another run of a cell in g/w, and the periods it took."""
-    most = min(history.starts.shape[0] - 1, 4 * done + 32)
-    again = settle(cell, wall, rolling, series, most, state, hold, history, work)
-    if again.multiple == 0:
-        return math.nan, again.done
+    max_periods = min(history.starts.shape[0] - 1, 4 * periods + 32)
+    settled = follow_until_repeating(
+        cell, wall, rolling, series, max_periods, state, hold, history, work
+    )
+    if settled.multiple == 0:
+        return math.nan, settled.periods
     travel = history.tallies[:, TALLY.travel]
-    return mean_velocity(travel, again.done - again.multiple, again.done, TURN), again.done
+    return mean_velocity(
+        travel, settled.periods - settled.multiple, settled.periods, TURN
+    ), settled.periods
 
 
 @compiled
@@ -244,16 +262,16 @@ def solve_cells(
     """Fill table and statuses of cells with the means of their motion."""
     if groups.shape[0] == 0:
         return
-    most = max(1, int(groups[:, GROUPS - 1].max()))
-    history = new_history(most, stop)
-    for number in range(groups.shape[0]):
-        settled = solve(groups[number], wall, rolling, history, table[number])
+    max_periods = max(1, int(groups[:, GROUPS - 1].max()))
+    history = new_history(max_periods, stop)
+    for index in range(groups.shape[0]):
+        settled = fill_cell(groups[index], wall, rolling, history, table[index])
         if raised(stop):
-            table[number] = np.nan
+            table[index] = np.nan
             return
-        status[number] = settled.status
+        status[index] = settled.status
         if settled.status in (STATUS.runaway, STATUS.limit_reached):
-            table[number] = np.nan
+            table[index] = np.nan
 
 
 SAMPLE = 7
@@ -270,52 +288,52 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop
     samples = np.full((phases.size, SAMPLE), math.nan)
     samples[:, SAMPLE - 1] = MODE.unknown
     history, work = new_history(int(cell.max_periods), stop), new_work()
-    found, state, hold = to_cycle(group, wall, rolling, FINE, history, work)
-    if found.status == STATUS.limit_reached:
+    settled, state, hold = follow_from_rest(group, wall, rolling, FINE, history, work)
+    if settled.status == STATUS.limit_reached:
         return samples
     state[STATE.x] = 0.0
-    tally, sampled, periods = np.zeros(len(TALLY)), 0, 0
-    while sampled < phases.size and not raised(stop):
-        before = periods * TURN
-        end = sampled
-        while end < phases.size and phases[end] < before + TURN:
+    tally, begin, periods = np.zeros(len(TALLY)), 0, 0
+    while begin < phases.size and not raised(stop):
+        start_phase = periods * TURN
+        end = begin
+        while end < phases.size and phases[end] < start_phase + TURN:
             end += 1
-        fine = advance(
-            cell, wall, rolling, FINE.order, FINE.tolerance * push.size(work), state, hold,
-            tally, work, phases[sampled:end] - before, samples[sampled:end], tally[:0],
+        succeeded = advance(
+            cell, wall, rolling, FINE.order, FINE.tolerance * push.drive_speed(work), state, hold,
+            tally, work, phases[begin:end] - start_phase, samples[begin:end], tally[:0],
         )  # fmt: skip
-        if not fine:
+        if not succeeded:
             return samples
-        sampled, periods = end, periods + 1
+        begin, periods = end, periods + 1
     return samples
 
 
 @compiled
-def spend_cells(
+def power_cells(
     wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
 ) -> None:
     """Fill the table of mean powers of cells in space: what friction, impacts and the drive do.
 
-    `table` has the columns of `SPENT`, per mass in g^2/w; NaN without a cycle (theory 13.15).
+    `table` has the columns of `POWER`, per mass in g^2/w; NaN without a cycle (theory 13.15).
     """
     if groups.shape[0] == 0:
         return
     history, work = new_history(max(1, int(groups[:, GROUPS - 1].max())), stop), new_work()
     tally = np.zeros(len(TALLY))
-    for number in range(groups.shape[0]):
-        row, spent = groups[number], table[number]
-        settled, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
-        spent[:] = math.nan
+    for index in range(groups.shape[0]):
+        row, powers = groups[index], table[index]
+        settled, state, hold = follow_from_rest(row, wall, rolling, FINE, history, work)
+        powers[:] = math.nan
         if raised(stop):
             return
-        status[number] = settled.status
+        status[index] = settled.status
         if settled.multiple == 0:
             continue
-        tolerance, fine = FINE.tolerance * push.size(work), True
-        spent[:] = 0.0
+        tolerance, succeeded = FINE.tolerance * push.drive_speed(work), True
+        powers[:] = 0.0
         for _ in range(settled.multiple):
-            fine = fine and advance(
+            succeeded = succeeded and advance(
                 cell_of(row), wall, rolling, FINE.order, tolerance, state, hold, tally, work,
-                NO_PHASES, history.ends[:0], spent,
+                NO_PHASES, history.ends[:0], powers,
             )  # fmt: skip
-        spent /= settled.multiple * TURN if fine else math.nan
+        powers /= settled.multiple * TURN if succeeded else math.nan

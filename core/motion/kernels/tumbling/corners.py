@@ -147,9 +147,9 @@ def side_shape(cell: Cell, quarter_turns: int) -> tuple[float, float]:
 @compiled
 def speed_scale(cell: Cell) -> float:
     """Return the speed gained over a half diagonal, sqrt((|g| + |P|) rho), in m/s."""
-    most = math.hypot(cell.pull_along, cell.pull_normal)
-    most += math.hypot(cell.drive_along, cell.drive_normal)
-    return math.sqrt(most * cell.half_diagonal)
+    acceleration = math.hypot(cell.pull_along, cell.pull_normal)
+    acceleration += math.hypot(cell.drive_along, cell.drive_normal)
+    return math.sqrt(acceleration * cell.half_diagonal)
 
 
 @compiled
@@ -158,9 +158,9 @@ def kinetic(cell: Cell, state: Floats) -> float:
 
     (x'^2 + y'^2 + rho^2 xi'^2/kappa)/2, with half diagonal rho and inertia ratio kappa.
     """
-    turning = cell.half_diagonal * state[STATE.pitch_rate]
-    square = turning * turning / cell.inertia_ratio
-    return 0.5 * (state[STATE.along_rate] ** 2 + state[STATE.up_rate] ** 2 + square)
+    turning_speed = cell.half_diagonal * state[STATE.pitch_rate]
+    turning_squared = turning_speed * turning_speed / cell.inertia_ratio
+    return 0.5 * (state[STATE.along_rate] ** 2 + state[STATE.up_rate] ** 2 + turning_squared)
 
 
 @compiled
@@ -169,9 +169,9 @@ def free_acceleration(cell: Cell, time: float) -> tuple[float, float]:
 
     (P_x, P_y) sin(w t + phi) - (g_x, g_y), drive and pull of the `Cell` (theory 13.11).
     """
-    swing = math.sin(cell.circular_frequency * time + cell.start_phase)
-    along = cell.drive_along * swing - cell.pull_along
-    return along, cell.drive_normal * swing - cell.pull_normal
+    drive_sine = math.sin(cell.circular_frequency * time + cell.start_phase)
+    along = cell.drive_along * drive_sine - cell.pull_along
+    return along, cell.drive_normal * drive_sine - cell.pull_normal
 
 
 @compiled
@@ -184,8 +184,8 @@ def free_corner(
     part (theory 2.2).
     """
     along, upward = free_acceleration(cell, time)
-    turning = cell.turning * cell.half_diagonal * pitch_rate * pitch_rate
-    return upward + turning * s, along - turning * c
+    centripetal = cell.turning * cell.half_diagonal * pitch_rate * pitch_rate
+    return upward + centripetal * s, along - centripetal * c
 
 
 @compiled
@@ -253,6 +253,6 @@ def side_forces(
     (n -+ t height/half)/2: their moment about the centre is that of friction. A negative one tells
     that the part tips.
     """
-    half, height = side_shape(cell, quarter_turns)
-    tilt = friction * height / half
+    half_length, height = side_shape(cell, quarter_turns)
+    tilt = friction * height / half_length
     return (normal - tilt) / 2, (normal + tilt) / 2

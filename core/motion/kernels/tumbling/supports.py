@@ -36,7 +36,7 @@ from vibrafeed.core.motion.kernels.tumbling.corners import (
 
 
 @compiled
-def rates(
+def accelerations(
     cell: Cell, support: int, sigma: int, time: float, pitch: float, pitch_rate: float, slip: float
 ) -> tuple[float, float, float]:
     """Return accelerations of a tumbling part along the plane (m/s^2) and in pitch, and lost power.
@@ -50,34 +50,39 @@ def rates(
         normal, friction = flat_force(cell, sigma, time)
         return along + friction, 0.0, abs(friction * slip) if sigma != 0 else 0.0
     normal, friction = corner_force(cell, support, sigma, time, pitch, pitch_rate)
-    s, c = corner_at(cell, support, pitch)
-    turn = -cell.inertia_ratio * (normal * c + friction * s) / cell.half_diagonal
-    return along + friction, turn, abs(friction * slip) if sigma != 0 else 0.0
+    sine, cosine = corner_at(cell, support, pitch)
+    pitch_acceleration = (
+        -cell.inertia_ratio * (normal * cosine + friction * sine) / cell.half_diagonal
+    )
+    return along + friction, pitch_acceleration, abs(friction * slip) if sigma != 0 else 0.0
 
 
 @compiled
 def fly(cell: Cell, state: Floats, time: float, step: float, after: Floats) -> None:
     """Set `after` to the state after free flight for `step` seconds from `time`, in closed form."""
-    gained = moved = 0.0  # integrals of the swing of the drive
-    w = cell.circular_frequency
-    if w > 0.0:
-        turn, start = w * step, w * time + cell.start_phase
-        half = math.sin(turn / 2)
-        gained = 2.0 * math.sin(start + turn / 2) * half / w
-        moved = math.cos(start) * (turn - math.sin(turn)) + 2.0 * math.sin(start) * half * half
-        moved /= w * w
+    drive_velocity = drive_distance = 0.0  # integrals of the swing of the drive
+    frequency = cell.circular_frequency
+    if frequency > 0.0:
+        swept_phase, start_phase = frequency * step, frequency * time + cell.start_phase
+        sine_of_half = math.sin(swept_phase / 2)
+        drive_velocity = 2.0 * math.sin(start_phase + swept_phase / 2) * sine_of_half / frequency
+        drive_distance = (
+            math.cos(start_phase) * (swept_phase - math.sin(swept_phase))
+            + 2.0 * math.sin(start_phase) * sine_of_half * sine_of_half
+        )
+        drive_distance /= frequency * frequency
     after[:] = state
     after[STATE.along] += step * state[STATE.along_rate] - cell.pull_along * step * step / 2
     after[STATE.up] += step * state[STATE.up_rate] - cell.pull_normal * step * step / 2
-    after[STATE.along] += cell.drive_along * moved
-    after[STATE.up] += cell.drive_normal * moved
+    after[STATE.along] += cell.drive_along * drive_distance
+    after[STATE.up] += cell.drive_normal * drive_distance
     after[STATE.pitch] += step * state[STATE.pitch_rate]
-    after[STATE.along_rate] += cell.drive_along * gained - cell.pull_along * step
-    after[STATE.up_rate] += cell.drive_normal * gained - cell.pull_normal * step
+    after[STATE.along_rate] += cell.drive_along * drive_velocity - cell.pull_along * step
+    after[STATE.up_rate] += cell.drive_normal * drive_velocity - cell.pull_normal * step
 
 
 @compiled
-def settle_on(cell: Cell, state: Floats, support: int, sigma: int) -> None:
+def place_on_support(cell: Cell, state: Floats, support: int, sigma: int) -> None:
     """Put a tumbling part exactly onto its support: gap and its rate 0, slip 0 if friction holds.
 
     y = rho sin s, y' = rho xi' cos s and x' = rho xi' sin s over a corner (theory 2.1).
@@ -90,15 +95,15 @@ def settle_on(cell: Cell, state: Floats, support: int, sigma: int) -> None:
         if sigma == 0:
             state[STATE.along_rate] = 0.0
     elif support >= 0:
-        s, c = corner_at(cell, support, state[STATE.pitch])
-        turning = cell.half_diagonal * state[STATE.pitch_rate]
-        state[STATE.up], state[STATE.up_rate] = cell.half_diagonal * s, turning * c
+        sine, cosine = corner_at(cell, support, state[STATE.pitch])
+        turning_speed = cell.half_diagonal * state[STATE.pitch_rate]
+        state[STATE.up], state[STATE.up_rate] = cell.half_diagonal * sine, turning_speed * cosine
         if sigma == 0:
-            state[STATE.along_rate] = turning * s
+            state[STATE.along_rate] = turning_speed * sine
 
 
 @compiled
-def carry(
+def step_on_support(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats
 ) -> None:
     """Set `after` to the state of a tumbling part after a step on one support, from `state`.
@@ -112,32 +117,38 @@ def carry(
     if support == FLAT and sigma == 0:
         return
     corner = max(support, 0)
-    x, v, lost = state[STATE.along], state[STATE.along_rate], state[STATE.lost]
-    p, q = state[STATE.pitch], state[STATE.pitch_rate]
-    _, c_0 = corner_at(cell, corner, p)
+    along, along_rate, lost = state[STATE.along], state[STATE.along_rate], state[STATE.lost]
+    pitch, pitch_rate = state[STATE.pitch], state[STATE.pitch_rate]
+    _, cosine_before = corner_at(cell, corner, pitch)
     rho = cell.half_diagonal
-    x_sum = v_sum = p_sum = q_sum = lost_sum = 0.0
-    v_here, p_here, q_here = v, p, q
+    along_sum = rate_sum = pitch_sum = pitch_rate_sum = lost_sum = 0.0
+    stage_rate, stage_pitch, stage_pitch_rate = along_rate, pitch, pitch_rate
     for stage in range(4):
-        s, _ = corner_at(cell, corner, p_here)
-        slip = v_here - rho * q_here * s
-        share = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+        sine, _ = corner_at(cell, corner, stage_pitch)
+        slip = stage_rate - rho * stage_pitch_rate * sine
+        time_fraction = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         weight = step / 6 if stage in (0, 3) else step / 3
-        a, turn, power = rates(cell, support, sigma, time + share * step, p_here, q_here, slip)
-        x_sum += weight * v_here
-        v_sum += weight * a
-        p_sum += weight * q_here
-        q_sum += weight * turn
+        acceleration, pitch_acceleration, power = accelerations(
+            cell, support, sigma, time + time_fraction * step, stage_pitch, stage_pitch_rate, slip
+        )
+        along_sum += weight * stage_rate
+        rate_sum += weight * acceleration
+        pitch_sum += weight * stage_pitch_rate
+        pitch_rate_sum += weight * pitch_acceleration
         lost_sum += weight * power
-        reach = step if stage == 2 else step / 2
-        v_here, p_here, q_here = v + reach * a, p + reach * q_here, q + reach * turn
-    after[STATE.along], after[STATE.along_rate] = x + x_sum, v + v_sum
-    after[STATE.pitch], after[STATE.pitch_rate] = p + p_sum, q + q_sum
+        next_span = step if stage == 2 else step / 2
+        stage_rate, stage_pitch, stage_pitch_rate = (
+            along_rate + next_span * acceleration,
+            pitch + next_span * stage_pitch_rate,
+            pitch_rate + next_span * pitch_acceleration,
+        )
+    after[STATE.along], after[STATE.along_rate] = along + along_sum, along_rate + rate_sum
+    after[STATE.pitch], after[STATE.pitch_rate] = pitch + pitch_sum, pitch_rate + pitch_rate_sum
     after[STATE.lost] = lost + lost_sum
-    settle_on(cell, after, support, sigma)
+    place_on_support(cell, after, support, sigma)
     if support >= 0 and sigma == 0 and cell.turning != 0.0:
-        _, c = corner_at(cell, corner, after[STATE.pitch])
-        after[STATE.along] = x + rho * (c_0 - c)
+        _, cosine = corner_at(cell, corner, after[STATE.pitch])
+        after[STATE.along] = along + rho * (cosine_before - cosine)
 
 
 @compiled
@@ -151,7 +162,9 @@ def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
 
 
 @compiled
-def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangential: float) -> None:
+def apply_impulse(
+    cell: Cell, state: Floats, sine: float, cosine: float, normal: float, tangential: float
+) -> None:
     """Change the velocities in `state` of a tumbling part by an impulse per mass at one corner.
 
     x' + i_t, y' + i_n and xi' - kappa (i_n cos s + i_t sin s)/rho, in m/s (theory 2.2).
@@ -159,30 +172,30 @@ def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangentia
     state[STATE.along_rate] += tangential
     state[STATE.up_rate] += normal
     state[STATE.pitch_rate] -= (
-        cell.inertia_ratio * (normal * c + tangential * s) / cell.half_diagonal
+        cell.inertia_ratio * (normal * cosine + tangential * sine) / cell.half_diagonal
     )
 
 
 @compiled
-def arrest(
-    nn: float, nt: float, tt: float, u_n: float, u_t: float, friction: float
+def stopping_impulse(
+    G_nn: float, G_nt: float, G_tt: float, u_n: float, u_t: float, friction: float
 ) -> tuple[float, float]:
     """Return the impulse per mass that stops the approach of a corner, with Coulomb friction.
 
     i_n = (-u_n - G_nt i_t)/G_nn, with the i_t that stops the slip, u_t + G_nt i_n + G_tt i_t = 0,
     if |i_t| <= mu i_n; else with i_t at that limit (theory 5.3).
     """
-    stop = -u_n / nn
-    coupling = nt / nn
-    tangential = -(u_t + nt * stop) / (tt - nt * coupling)
-    forward, backward = 1.0 - friction * coupling, 1.0 + friction * coupling
-    lowest = -friction * stop / forward if forward > 0.0 else -np.inf
-    highest = friction * stop / backward if backward > 0.0 else np.inf
+    stopping_normal = -u_n / G_nn
+    coupling = G_nt / G_nn
+    tangential = -(u_t + G_nt * stopping_normal) / (G_tt - G_nt * coupling)
+    cone_forward, cone_backward = 1.0 - friction * coupling, 1.0 + friction * coupling
+    lowest = -friction * stopping_normal / cone_forward if cone_forward > 0.0 else -np.inf
+    highest = friction * stopping_normal / cone_backward if cone_backward > 0.0 else np.inf
     if lowest <= tangential <= highest:
-        return max(stop - coupling * tangential, 0.0), tangential
+        return max(stopping_normal - coupling * tangential, 0.0), tangential
     tangential = lowest if tangential < lowest else highest
     # In sliding the cone gives the normal impulse; the line would lose digits.
-    normal = abs(tangential) / friction if friction > 0.0 else stop
+    normal = abs(tangential) / friction if friction > 0.0 else stopping_normal
     return normal, tangential
 
 
@@ -195,45 +208,53 @@ def compress(
     Normal impulses per mass at the right and left corner (-1 for none), and that of friction, in
     m/s (theory 5.3). On a side both corners slide alike, so that friction is one force.
     """
-    rho, kappa, mu = cell.half_diagonal, cell.inertia_ratio, cell.friction_kinetic
+    rho, kappa, friction_kinetic = cell.half_diagonal, cell.inertia_ratio, cell.friction_kinetic
     copy(state, after)
-    u_right = gap_rate_of(cell, state, right)
-    s_r, c_r = corner_at(cell, right, state[STATE.pitch])
-    slack = 1e-12 * (abs(u_right) + rho * abs(state[STATE.pitch_rate]))
+    rate_right = gap_rate_of(cell, state, right)
+    sine_right, cosine_right = corner_at(cell, right, state[STATE.pitch])
+    slack = 1e-12 * (abs(rate_right) + rho * abs(state[STATE.pitch_rate]))
     if left >= 0:
-        s_l, c_l = corner_at(cell, left, state[STATE.pitch])
-        u_left = gap_rate_of(cell, state, left)
-        slack += 1e-12 * abs(u_left)
-        half, height = rho * (c_r - c_l) / 2, rho * s_r
-        spin = (u_left - u_right) / (2.0 * half)
-        total = -(u_left + u_right) / 2
-        if total > 0.0:
+        sine_left, cosine_left = corner_at(cell, left, state[STATE.pitch])
+        rate_left = gap_rate_of(cell, state, left)
+        slack += 1e-12 * abs(rate_left)
+        half_length, height = rho * (cosine_right - cosine_left) / 2, rho * sine_right
+        turning_to_stop = (rate_left - rate_right) / (2.0 * half_length)
+        normal_sum = -(rate_left + rate_right) / 2
+        if normal_sum > 0.0:
             # Both at rest: no pitch rate and no rise remain.
-            wanted = -(slip_of(cell, state, right) + height * spin)
-            friction = min(max(wanted, -mu * total), mu * total)
-            tilt = (spin * rho * rho / kappa - height * friction) / half
-            if abs(tilt) <= total:
-                push(cell, after, s_r, c_r, (total + tilt) / 2, friction)
-                push(cell, after, s_l, c_l, (total - tilt) / 2, 0.0)
-                return (total + tilt) / 2, (total - tilt) / 2, friction
+            sticking = -(slip_of(cell, state, right) + height * turning_to_stop)
+            friction = min(
+                max(sticking, -friction_kinetic * normal_sum), friction_kinetic * normal_sum
+            )
+            tilt = (turning_to_stop * rho * rho / kappa - height * friction) / half_length
+            if abs(tilt) <= normal_sum:
+                apply_impulse(
+                    cell, after, sine_right, cosine_right, (normal_sum + tilt) / 2, friction
+                )
+                apply_impulse(cell, after, sine_left, cosine_left, (normal_sum - tilt) / 2, 0.0)
+                return (normal_sum + tilt) / 2, (normal_sum - tilt) / 2, friction
         # One of them alone, if the other does not approach then.
-        if u_left < 0.0:
-            nn, nt, tt = delassus(cell, s_l, c_l)
-            normal, friction = arrest(nn, nt, tt, u_left, slip_of(cell, state, left), mu)
-            push(cell, after, s_l, c_l, normal, friction)
-            if gap_rate_of(cell, after, right) >= -slack or u_right >= 0.0:
+        if rate_left < 0.0:
+            G_nn, G_nt, G_tt = delassus(cell, sine_left, cosine_left)
+            normal, friction = stopping_impulse(
+                G_nn, G_nt, G_tt, rate_left, slip_of(cell, state, left), friction_kinetic
+            )
+            apply_impulse(cell, after, sine_left, cosine_left, normal, friction)
+            if gap_rate_of(cell, after, right) >= -slack or rate_right >= 0.0:
                 return 0.0, normal, friction
             copy(state, after)
-    if u_right >= 0.0:
+    if rate_right >= 0.0:
         return 0.0, 0.0, 0.0
-    nn, nt, tt = delassus(cell, s_r, c_r)
-    normal, friction = arrest(nn, nt, tt, u_right, slip_of(cell, state, right), mu)
-    push(cell, after, s_r, c_r, normal, friction)
+    G_nn, G_nt, G_tt = delassus(cell, sine_right, cosine_right)
+    normal, friction = stopping_impulse(
+        G_nn, G_nt, G_tt, rate_right, slip_of(cell, state, right), friction_kinetic
+    )
+    apply_impulse(cell, after, sine_right, cosine_right, normal, friction)
     return normal, 0.0, friction
 
 
 @compiled
-def strike(cell: Cell, state: Floats, after: Floats) -> bool:
+def apply_impact(cell: Cell, state: Floats, after: Floats) -> bool:
     """Apply an impact of the touching corners of a part to its state; True if there was one.
 
     By the law of Pfeiffer and Glocker a compression first stops the approach, and an expansion
@@ -253,40 +274,40 @@ def strike(cell: Cell, state: Floats, after: Floats) -> bool:
     if approach >= -slow:
         return False
     if left >= 0:
-        _, c_r = corner_at(cell, right, state[STATE.pitch])
-        _, c_l = corner_at(cell, left, state[STATE.pitch])
-        if c_r < c_l:
+        _, cosine_right = corner_at(cell, right, state[STATE.pitch])
+        _, cosine_left = corner_at(cell, left, state[STATE.pitch])
+        if cosine_right < cosine_left:
             right, left = left, right
-    before = kinetic(cell, state)
-    eps = cell.restitution
-    first, second, _ = compress(cell, state, right, left, after)
+    energy_before = kinetic(cell, state)
+    restitution = cell.restitution
+    impulse_right, impulse_left, _ = compress(cell, state, right, left, after)
     copy(after, state)
-    s, c = corner_at(cell, right, state[STATE.pitch])
-    push(cell, state, s, c, eps * first, 0.0)
-    rate = right
+    sine, cosine = corner_at(cell, right, state[STATE.pitch])
+    apply_impulse(cell, state, sine, cosine, restitution * impulse_right, 0.0)
+    sliding_corner = right
     if left >= 0:
-        s_l, c_l = corner_at(cell, left, state[STATE.pitch])
-        push(cell, state, s_l, c_l, eps * second, 0.0)
-        if first == 0.0:
-            rate, s, c = left, s_l, c_l
-    limit = cell.friction_kinetic * eps * (first + second)
-    _, _, tt = delassus(cell, s, c)
-    wanted = -slip_of(cell, state, rate) / tt
-    push(cell, state, s, c, 0.0, min(max(wanted, -limit), limit))
+        sine_left, cosine_left = corner_at(cell, left, state[STATE.pitch])
+        apply_impulse(cell, state, sine_left, cosine_left, restitution * impulse_left, 0.0)
+        if impulse_right == 0.0:
+            sliding_corner, sine, cosine = left, sine_left, cosine_left
+    limit = cell.friction_kinetic * restitution * (impulse_right + impulse_left)
+    _, _, G_tt = delassus(cell, sine, cosine)
+    sticking = -slip_of(cell, state, sliding_corner) / G_tt
+    apply_impulse(cell, state, sine, cosine, 0.0, min(max(sticking, -limit), limit))
     for _ in range(20):
-        least = gap_rate_of(cell, state, right)
+        slowest = gap_rate_of(cell, state, right)
         if left >= 0:
-            least = min(least, gap_rate_of(cell, state, left))
-        if least >= -slow:
+            slowest = min(slowest, gap_rate_of(cell, state, left))
+        if slowest >= -slow:
             break
         compress(cell, state, right, left, after)
         copy(after, state)
-    state[STATE.lost] += before - kinetic(cell, state)
+    state[STATE.lost] += energy_before - kinetic(cell, state)
     return True
 
 
 @compiled
-def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> bool:
+def support_fits(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> bool:
     """True if the state of a tumbling part still fits its support and direction of slip.
 
     No other corner is in the plane, the normal force n is >= 0, |t| <= mu_s n if the support is
@@ -308,8 +329,8 @@ def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> b
                 return False
         if support == FREE:
             return True
-        s, c = corner_at(cell, support, state[STATE.pitch])
-        if sigma != 0 and response_of(cell, s, c, sigma) <= 0.0:
+        sine, cosine = corner_at(cell, support, state[STATE.pitch])
+        if sigma != 0 and response_of(cell, sine, cosine, sigma) <= 0.0:
             return False
         normal, friction = corner_force(
             cell, support, sigma, time, state[STATE.pitch], state[STATE.pitch_rate]
@@ -327,16 +348,16 @@ def holds(cell: Cell, support: int, sigma: int, state: Floats, time: float) -> b
 @compiled
 def stop_corner(cell: Cell, state: Floats, corner: int, slip_too: bool) -> None:
     """Remove a small remaining velocity of a corner by an impulse, which cannot add energy."""
-    s, c = corner_at(cell, corner, state[STATE.pitch])
-    nn, nt, tt = delassus(cell, s, c)
+    sine, cosine = corner_at(cell, corner, state[STATE.pitch])
+    G_nn, G_nt, G_tt = delassus(cell, sine, cosine)
     u_n = gap_rate_of(cell, state, corner)
     if slip_too:
         u_t = slip_of(cell, state, corner)
         determinant = 1.0 + cell.inertia_ratio
-        normal, tangential = (nt * u_t - tt * u_n), (nt * u_n - nn * u_t)
-        push(cell, state, s, c, normal / determinant, tangential / determinant)
+        normal, tangential = (G_nt * u_t - G_tt * u_n), (G_nt * u_n - G_nn * u_t)
+        apply_impulse(cell, state, sine, cosine, normal / determinant, tangential / determinant)
     else:
-        push(cell, state, s, c, -u_n / nn, 0.0)
+        apply_impulse(cell, state, sine, cosine, -u_n / G_nn, 0.0)
 
 
 @compiled
@@ -350,14 +371,14 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
     slow = SLOW * speed_scale(cell)
     stop_corner(cell, state, corner, False)
     slip = slip_of(cell, state, corner)
-    stops = abs(slip) <= slow and cell.friction_static > 0.0
-    if stops:
+    comes_to_rest = abs(slip) <= slow and cell.friction_static > 0.0
+    if comes_to_rest:
         stop_corner(cell, state, corner, True)
-    settle_on(cell, state, corner, 1)
-    s, c = corner_at(cell, corner, state[STATE.pitch])
-    chi, along = free_corner(cell, time, s, c, state[STATE.pitch_rate])
-    if stops:
-        normal, friction = holding_force(cell, s, c, chi, along)
+    place_on_support(cell, state, corner, 1)
+    sine, cosine = corner_at(cell, corner, state[STATE.pitch])
+    chi, along = free_corner(cell, time, sine, cosine, state[STATE.pitch_rate])
+    if comes_to_rest:
+        normal, friction = holding_force(cell, sine, cosine, chi, along)
         if normal >= 0.0 and abs(friction) <= cell.friction_static * normal:
             return corner, 0
         if chi > 0.0:
@@ -365,7 +386,7 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
         sigma = -1 if friction > 0.0 else 1
     else:
         sigma = 1 if slip > 0.0 else -1
-    if response_of(cell, s, c, sigma) <= 0.0:
+    if response_of(cell, sine, cosine, sigma) <= 0.0:
         return PARADOX, 0
     if chi > 0.0:
         return FREE, 0
@@ -373,7 +394,7 @@ def choose_corner(cell: Cell, state: Floats, time: float, corner: int) -> tuple[
 
 
 @compiled
-def choose(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
+def choose_support(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
     """Return the support of a tumbling part and its slip direction after an event.
 
     Corners that touch and neither approach nor leave take part, and the laws of contact decide by
@@ -382,18 +403,18 @@ def choose(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
     touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
     first = second = -1
     for corner in range(corner_count(cell)):
-        near = gap_of(cell, state, corner) <= touch
-        if near and abs(gap_rate_of(cell, state, corner)) <= slow:
+        touches = gap_of(cell, state, corner) <= touch
+        if touches and abs(gap_rate_of(cell, state, corner)) <= slow:
             if first < 0:
                 first = corner
             elif second < 0:
                 second = corner
     if first < 0:
         return FREE, 0
-    before = kinetic(cell, state)
+    energy_before = kinetic(cell, state)
     sigma = 0
     if second >= 0:
-        settle_on(cell, state, FLAT, 1)
+        place_on_support(cell, state, FLAT, 1)
         if abs(state[STATE.along_rate]) > slow:
             sigma = 1 if state[STATE.along_rate] > 0.0 else -1
         else:
@@ -413,8 +434,8 @@ def choose(cell: Cell, state: Floats, time: float) -> tuple[int, int]:
             support, sigma = choose_corner(cell, state, time, corner)
     else:
         support, sigma = choose_corner(cell, state, time, first)
-    settle_on(cell, state, support, sigma)
-    state[STATE.lost] += before - kinetic(cell, state)
+    place_on_support(cell, state, support, sigma)
+    state[STATE.lost] += energy_before - kinetic(cell, state)
     return support, sigma
 
 
@@ -427,16 +448,23 @@ def rests_for_ever(cell: Cell, support: int, sigma: int, state: Floats) -> bool:
     """
     if sigma != 0:
         return False
-    g, drive = cell.pull_normal, cell.drive_normal
+    pull_normal, drive_normal = cell.pull_normal, cell.drive_normal
     if support >= 0 and cell.turning == 0.0:
-        turning = cell.half_diagonal * abs(state[STATE.pitch_rate])
-        at_rest = turning <= SLOW * speed_scale(cell)
-        return at_rest and cell.pull_along == 0.0 and cell.drive_along == 0.0 and g >= abs(drive)
-    if support != FLAT or g < abs(drive):
+        turning_speed = cell.half_diagonal * abs(state[STATE.pitch_rate])
+        at_rest = turning_speed <= SLOW * speed_scale(cell)
+        return (
+            at_rest
+            and cell.pull_along == 0.0
+            and cell.drive_along == 0.0
+            and pull_normal >= abs(drive_normal)
+        )
+    if support != FLAT or pull_normal < abs(drive_normal):
         return False
-    half, height = side_shape(cell, side_below(state[STATE.pitch]))
+    half_length, height = side_shape(cell, side_below(state[STATE.pitch]))
     # Neither slip nor tipping to either side: share * normal +- friction >= 0 at every phase.
-    share = min(cell.friction_static, half / height)
-    along, swing = cell.pull_along, cell.drive_along
-    uphill = share * g - along >= abs(share * drive - swing)
-    return uphill and share * g + along >= abs(share * drive + swing)
+    least_ratio = min(cell.friction_static, half_length / height)
+    pull_along, drive_along = cell.pull_along, cell.drive_along
+    uphill = least_ratio * pull_normal - pull_along >= abs(least_ratio * drive_normal - drive_along)
+    return uphill and least_ratio * pull_normal + pull_along >= abs(
+        least_ratio * drive_normal + drive_along
+    )

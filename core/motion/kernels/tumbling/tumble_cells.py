@@ -28,11 +28,11 @@ from vibrafeed.core.motion.kernels.tumbling.corners import (
     side_below,
 )
 from vibrafeed.core.motion.kernels.tumbling.supports import (
-    carry,
-    choose,
-    holds,
+    apply_impact,
+    choose_support,
     rests_for_ever,
-    strike,
+    step_on_support,
+    support_fits,
 )
 
 MAX_STEPS = 20_000_000
@@ -55,20 +55,20 @@ class TumblingRun(NamedTuple):
 
 
 @compiled
-def start_of(cell: Cell, state: Floats) -> None:
+def set_start(cell: Cell, state: Floats) -> None:
     """Set the state of a tumbling part to the start of its run, from the numbers of the cell."""
     state[:] = 0.0
     state[STATE.pitch], state[STATE.pitch_rate] = cell.pitch, cell.pitch_rate
     state[STATE.along_rate], state[STATE.up_rate] = cell.velocity_along, cell.velocity_upward
     lowest = 0.0
     for corner in range(corner_count(cell)):
-        s, _ = corner_at(cell, corner, cell.pitch)
-        lowest = max(lowest, s)
+        sine, _ = corner_at(cell, corner, cell.pitch)
+        lowest = max(lowest, sine)
     state[STATE.up] = cell.half_diagonal * lowest + cell.gap_normal
 
 
 @compiled
-def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) -> None:
+def write_path_row(cell: Cell, state: Floats, time: float, support: int, row: Floats) -> None:
     """Write time, state, lowest gap and touching corners of a part into a row of its path."""
     row[:] = 0.0
     row[PATH.time] = time
@@ -83,14 +83,15 @@ def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) ->
 
 
 @compiled
-def record_until(
-    cell: Cell, state: Floats, time: float, support: int, times: Floats, written: int, rows: Floats
+def write_path_until(
+    cell: Cell, state: Floats, time: float, support: int, times: Floats, rows_written: int,
+    rows: Floats,
 ) -> int:  # fmt: skip
     """Write the state of a tumbling part into the rows of all wanted times up to `time` (s)."""
-    while written < times.size and times[written] <= time:
-        record(cell, state, times[written], support, rows[written])
-        written += 1
-    return written
+    while rows_written < times.size and times[rows_written] <= time:
+        write_path_row(cell, state, times[rows_written], support, rows[rows_written])
+        rows_written += 1
+    return rows_written
 
 
 @compiled
@@ -102,7 +103,7 @@ def side_of(cell: Cell, support: int, pitch: float) -> int:
 
 
 @compiled
-def fill(cell: Cell, run: TumblingRun, state: Floats, row: Floats) -> None:
+def fill_results(cell: Cell, run: TumblingRun, state: Floats, row: Floats) -> None:
     """Write the results of the run of a tumbling part into its row of the table."""
     row[COLUMN.pitch] = state[STATE.pitch]
     row[COLUMN.resting_side] = run.side
@@ -123,26 +124,26 @@ LARGEST_TURN = 0.1  # rad a step, so that no corner swings down and up again uns
 
 
 @compiled
-def top_of(
+def highest_gap(
     cell: Cell, support: int, state: Floats, after: Floats, time: float, step: float, trial: Floats
 ) -> float:  # fmt: skip
     """Return the largest height in m of the lowest corner of a tumbling part within a step."""
-    top = max(lowest_gap(cell, state), lowest_gap(cell, after))
+    highest = max(lowest_gap(cell, state), lowest_gap(cell, after))
     if support != FREE or lowest_rate(cell, state) <= 0.0 or lowest_rate(cell, after) >= 0.0:
-        return top
+        return highest
     low, high = 0.0, step
     for _ in range(TOP_HALVINGS):
         middle = (low + high) / 2
-        carry(cell, support, 0, state, time, middle, trial)
+        step_on_support(cell, support, 0, state, time, middle, trial)
         if lowest_rate(cell, trial) > 0.0:
             low = middle
         else:
             high = middle
-    return max(top, lowest_gap(cell, trial))
+    return max(highest, lowest_gap(cell, trial))
 
 
 @compiled
-def dips(
+def time_of_dip(
     cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats,
     trial: Floats,
 ) -> float:  # fmt: skip
@@ -150,12 +151,13 @@ def dips(
     if support == FLAT:
         return step
     for corner in range(corner_count(cell)):
-        sinking, rising = gap_rate_of(cell, state, corner), gap_rate_of(cell, after, corner)
-        if corner != support and sinking < 0.0 < rising:
-            part = step * sinking / (sinking - rising)
-            carry(cell, support, sigma, state, time, part, trial)
+        rate_before, rate_after = gap_rate_of(cell, state, corner), gap_rate_of(cell, after, corner)
+        if corner != support and rate_before < 0.0 < rate_after:
+            # Its rate taken as linear, the corner is lowest then.
+            turning_time = step * rate_before / (rate_before - rate_after)
+            step_on_support(cell, support, sigma, state, time, turning_time, trial)
             if gap_of(cell, trial, corner) < -OVERLAP * cell.half_diagonal:
-                return part
+                return turning_time
     return step
 
 
@@ -166,43 +168,43 @@ def first_misfit(
 ) -> float:  # fmt: skip
     """Return the time in s within a step at which the support of a tumbling part ceases to fit."""
     overlap = OVERLAP * cell.half_diagonal
-    low, part, halve = 0.0, step, False
+    low, high, fitted = 0.0, step, False
     for _ in range(HALVINGS):
-        guess = (low + part) / 2
+        guess = (low + high) / 2
         deepest, falling = -overlap, -1
         for corner in range(corner_count(cell)):
             gap = gap_of(cell, after, corner)
             if corner != support and gap < deepest:
                 deepest, falling = gap, corner
         at_plane = falling >= 0 and deepest >= -1.5 * overlap
-        if part - low <= (1e-9 if at_plane else 1e-12 if falling < 0 else 0.0) * step:
+        if high - low <= (1e-9 if at_plane else 1e-12 if falling < 0 else 0.0) * step:
             break
         if at_plane:  # was the corner the first? just before, everything has to fit
-            guess = max(guess, part - 1e-9 * step)
+            guess = max(guess, high - 1e-9 * step)
         elif falling >= 0:
             rate = gap_rate_of(cell, after, falling)
-            if rate < 0.0 and not halve:
-                back = part - (deepest + overlap) / rate
-                if low < back < part:
-                    guess = back
-        if guess in (low, part):
+            if rate < 0.0 and not fitted:
+                newton_guess = high - (deepest + overlap) / rate
+                if low < newton_guess < high:
+                    guess = newton_guess
+        if guess in (low, high):
             break
-        carry(cell, support, sigma, state, time, guess, trial)
-        halve = holds(cell, support, sigma, trial, time + guess)
-        if halve:
+        step_on_support(cell, support, sigma, state, time, guess, trial)
+        fitted = support_fits(cell, support, sigma, trial, time + guess)
+        if fitted:
             low = guess
         else:
-            part = guess
+            high = guess
             copy(trial, after)
-    return part
+    return high
 
 
 @compiled
-def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, written: int) -> float:
+def end_of_step(cell: Cell, state: Floats, time: float, times: Floats, rows_written: int) -> float:
     """Return the end in s of the next time step of a tumbling part that starts at `time`."""
     end, pitch_rate = min(time + cell.time_step, cell.duration), state[STATE.pitch_rate]
-    if written < times.size:
-        end = min(end, times[written])
+    if rows_written < times.size:
+        end = min(end, times[rows_written])
     if abs(pitch_rate) * (end - time) > LARGEST_TURN:
         return time + LARGEST_TURN / abs(pitch_rate)
     return end
@@ -217,23 +219,23 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
     (theory 13.11). `rows` (columns of `PATH`) are filled at the ascending `times` in s.
     """
     after, trial = np.empty_like(state), np.empty_like(state)
-    start_of(cell, state)
-    time, settling, bounce = 0.0, np.nan, 0.0
-    impacts = events = written = 0
+    set_start(cell, state)
+    time, settling_time, largest_bounce = 0.0, np.nan, 0.0
+    impacts = events = rows_written = 0
     status = STATUS.limit_reached
-    if strike(cell, state, after):
+    if apply_impact(cell, state, after):
         impacts = 1
-    support, sigma = choose(cell, state, time)
+    support, sigma = choose_support(cell, state, time)
     steps = math.ceil(min(cell.duration / cell.time_step, MAX_STEPS))
     most_events = EVENTS + EVENTS_A_STEP * steps
     steps_left = min(1000 + STEPS_MORE * steps, MAX_STEPS) + times.size
     while True:
-        written = record_until(cell, state, time, support, times, written, rows)
+        rows_written = write_path_until(cell, state, time, support, times, rows_written, rows)
         if support == PARADOX:
             status = STATUS.no_solution
             break
         if rests_for_ever(cell, support, sigma, state):
-            status, settling = STATUS.settled, time
+            status, settling_time = STATUS.settled, time
             break
         if time >= cell.duration:
             status = STATUS.moving
@@ -241,29 +243,36 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
         if steps_left <= 0 or events >= most_events or raised(stop):
             break
         steps_left -= 1
-        end = end_of_step(cell, state, time, times, written)
+        end = end_of_step(cell, state, time, times, rows_written)
         step = end - time
-        carry(cell, support, sigma, state, time, step, after)
-        part = dips(cell, support, sigma, state, time, step, after, trial)
-        fits = part == step and holds(cell, support, sigma, after, end)
+        step_on_support(cell, support, sigma, state, time, step, after)
+        span = time_of_dip(cell, support, sigma, state, time, step, after, trial)
+        fits = span == step and support_fits(cell, support, sigma, after, end)
         if not fits:
-            if part != step:
-                carry(cell, support, sigma, state, time, part, after)
-            part = first_misfit(cell, support, sigma, state, time, part, after, trial)
+            if span != step:
+                step_on_support(cell, support, sigma, state, time, span, after)
+            span = first_misfit(cell, support, sigma, state, time, span, after, trial)
         if impacts > 0:
-            bounce = max(bounce, top_of(cell, support, state, after, time, part, trial))
+            largest_bounce = max(
+                largest_bounce, highest_gap(cell, support, state, after, time, span, trial)
+            )
         copy(after, state)
-        time = end if part == step else time + part
+        time = end if span == step else time + span
         if fits:
             continue
         events += 1
-        if strike(cell, state, after):
+        if apply_impact(cell, state, after):
             impacts += 1
-        support, sigma = choose(cell, state, time)
+        support, sigma = choose_support(cell, state, time)
     if status in (STATUS.settled, STATUS.moving) or time >= cell.duration:
-        record_until(cell, state, math.inf, support, times, written, rows)
+        write_path_until(cell, state, math.inf, support, times, rows_written, rows)
     return TumblingRun(
-        status, time, settling, impacts, bounce, side_of(cell, support, state[STATE.pitch])
+        status,
+        time,
+        settling_time,
+        impacts,
+        largest_bounce,
+        side_of(cell, support, state[STATE.pitch]),
     )
 
 
@@ -271,13 +280,13 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
 def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill the table of results and the statuses of many tumbling parts, from event to event."""
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
-    for number in range(cells.shape[0]):
-        cell = cell_of(cells[number])
+    for index in range(cells.shape[0]):
+        cell = cell_of(cells[index])
         run = run_events(cell, state, times, rows, stop)
         if raised(stop):
             return
-        fill(cell, run, state, table[number])
-        status[number] = run.status
+        fill_results(cell, run, state, table[index])
+        status[index] = run.status
 
 
 @compiled

@@ -48,7 +48,7 @@ def test_batches_are_successive_and_equally_long():
 def test_ratio_and_error_are_those_of_their_formulas():
     values = np.random.default_rng(3).standard_normal(16)
     ratio = np.sum(np.diff(values) ** 2) / np.sum((values - values.mean()) ** 2)
-    assert means.succession(values) == pytest.approx(ratio, rel=1e-13)
+    assert means.neumann_ratio(values) == pytest.approx(ratio, rel=1e-13)
     assert means.scatter(values) == pytest.approx(np.std(values, ddof=1), rel=1e-13)
     assert pytest.approx(stats.t.ppf(0.995, 15), abs=5e-4) == means.STUDENT
     alike = 0.5 * ratio if ratio < 2 else 1.0

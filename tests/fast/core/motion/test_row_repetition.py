@@ -6,7 +6,7 @@ import pytest
 import vibrafeed
 from night import count
 from rows import TURN, cell, followed, path
-from vibrafeed.core.motion.kernels.rows.contact import closing
+from vibrafeed.core.motion.kernels.rows.contact import count_closing
 from vibrafeed.core.motion.kernels.rows.row_state import IN_SPACE, row_at
 
 OUTPUTS = ["conveying_velocity", "conveying_velocity_error", "platoons", "period_multiple"]
@@ -141,10 +141,10 @@ def test_collisions_are_the_contacts_that_close():
     row = row_at(cell(1, 0, [0.3] * 4, gap=[0.0, 0.0, 1.0], stop=IN_SPACE, stop_gap=2.0), 0.0)
     row.closed[:] = 0, 1, 0, 0
     row.speed[:] = 2.0, 1.0, 1.0, 0.0, 0.0
-    assert closing(row, 0, 1e-12) == 1  # two that touch at one velocity are struck once
+    assert count_closing(row, 0, 1e-12) == 1  # two that touch at one velocity are struck once
     row.gap[:] = 0.0, 0.0, 0.0, 0.0
-    assert closing(row, 0, 1e-12) == 2  # two gaps that close at once; the last meets no faster stop
+    assert count_closing(row, 0, 1e-12) == 2  # two close at once; the last meets no faster stop
     row.speed[-1] = -1.0
-    assert closing(row, 0, 1e-12) == 3
+    assert count_closing(row, 0, 1e-12) == 3
     row.speed[:] = 1.0 + 1e-15, 1.0, 1.0, 1.0, 1.0
-    assert closing(row, 0, 1e-12) == 0  # rounding
+    assert count_closing(row, 0, 1e-12) == 0  # rounding

@@ -9,7 +9,7 @@ from night import count
 from refusals import problems_of
 from rows import cell
 from vibrafeed.core.intake import prepare_content
-from vibrafeed.core.motion.kernels.rows.contact import collide, pooled, start
+from vibrafeed.core.motion.kernels.rows.contact import collide, pool_means, start_movable_parts
 from vibrafeed.core.motion.kernels.rows.row_state import row_at
 from vibrafeed.core.quantities import REGIMES
 
@@ -23,7 +23,7 @@ def test_contact_is_isotonic_regression():
         row = row_at(cell(1, 0, random.uniform(0.1, 0.9, n), mass=random.uniform(0.2, 3.0, n)), 0.0)
         row.value[:] = random.normal(size=n)
         found = isotonic_regression(row.value.copy(), weights=row.mass)
-        blocks = pooled(row, 0, n)
+        blocks = pool_means(row, 0, n)
         assert row.value == pytest.approx(found.x, abs=1e-14)
         assert blocks == len(found.blocks) - 1
 
@@ -35,7 +35,7 @@ def test_starts_obey_friction_and_push_only():
         static = random.uniform(0.1, 0.9, n)
         row = row_at(cell(1, 0, static, mass=random.uniform(0.2, 3.0, n)), 0.0)
         push, load = random.uniform(-1.0, 1.0), random.uniform(0.2, 1.5)
-        start(row, push, load, -1)
+        start_movable_parts(row, push, load, -1)
         # Movers are the front under a push forward, the rear under one backward.
         way = slice(None) if push > 0 else slice(None, None, -1)
         alone = abs(push) - static[way] * load
