@@ -10,7 +10,7 @@ from vibrafeed.core.motion.events import motion_by_events, spatial_motion, spati
 from vibrafeed.core.motion.kernels.inputs import NEVER as NO_STOP
 from vibrafeed.core.motion.kernels.track.push import STATE
 from vibrafeed.core.motion.kernels.track.series import NEVER, first_fall
-from vibrafeed.core.motion.kernels.track.settling import neared, new_history
+from vibrafeed.core.motion.kernels.track.settling import new_history, slowly_approached_cycle
 from vibrafeed.core.motion.method import STATUS, Contacts, Groups, each
 from vibrafeed.core.motion.reference import reference_motion
 
@@ -52,8 +52,8 @@ def test_what_is_left_of_a_geometric_approach_is_its_remainder():
     history, shrinks = new_history(40, NO_STOP), 0.7 ** np.arange(42)
     history.starts[:], history.ends[:] = 0.0, 0.0
     history.starts[:, STATE.ux], history.ends[:, STATE.ux] = shrinks[:-1], shrinks[1:]
-    found = neared(False, 0.0, history, 40, 1e-3)
-    assert (found.multiple, found.left) == (1, pytest.approx(0.7**40))
+    found = slowly_approached_cycle(False, 0.0, history, 40, 1e-3)
+    assert (found.multiple, found.transient) == (1, pytest.approx(0.7**40))
 
 
 @pytest.mark.parametrize(
