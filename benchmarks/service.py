@@ -32,7 +32,7 @@ from benchmarks.serving import Served, percentile, served
 from benchmarks.timing import timed
 from vibrafeed.app.jobs.manifest import NETCDF
 from vibrafeed.app.jobs.store import Store
-from vibrafeed.app.web.calculations import encode_binary, encode_json
+from vibrafeed.app.web.calculations import encode_binary
 from vibrafeed.core.dataset.document import to_document
 from vibrafeed.core.intake import prepare_content, read_json
 from vibrafeed.core.kinds import tabulate
@@ -163,7 +163,7 @@ def requests(server: Served, pairs: int) -> None:
         "slice, JSON",
         ("GET", f"{path}&format=json"),
         piece,
-        lambda: encode_json(taken),
+        lambda: orjson.dumps(taken, option=orjson.OPT_SERIALIZE_NUMPY),
     )
     comparison.line(
         "slice, binary", ("GET", f"{path}&format=binary"), piece, lambda: encode_binary(taken)
