@@ -183,7 +183,7 @@ def size_of(prepared: Prepared) -> Size:
     return Size(
         rows=math.prod(prepared.sizes[dim] for dim in kept),
         columns=len(prepared.plan.parameters) + len(prepared.dims),
-        doubles=8 * sum(cells.values()),
+        value_bytes=8 * sum(cells.values()),
     )
 
 

@@ -13,13 +13,13 @@ class Size:
     ----------
     rows, columns : int
         Number of cells, and of variables with coordinates.
-    doubles : int
+    value_bytes : int
         Bytes of all values, those of flags as doubles.
     """
 
     rows: int = 0
     columns: int = 0
-    doubles: int = 0
+    value_bytes: int = 0
 
 
 def check_limit(limit: str, asked: int, allowed: int | None, fix: str) -> None:

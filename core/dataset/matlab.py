@@ -23,7 +23,7 @@ FIELDS: Final = {"units": "units", "labels": "long_name", "descriptions": "comme
 
 def check(size: Size) -> None:
     """Raise `LimitError` if a MAT file cannot hold a result of a size."""
-    check_limit("bytes in a MAT file", size.doubles, MAX_BYTES, "Write NetCDF: MATLAB reads it")
+    check_limit("bytes in a MAT file", size.value_bytes, MAX_BYTES, "Write NetCDF: MATLAB reads it")
 
 
 def write_mat(table: Table, where: str, storage: Storage) -> None:
@@ -50,7 +50,7 @@ def write_mat(table: Table, where: str, storage: Storage) -> None:
     variables = {**table.coordinates, **table.variables}
     matlab_names = names_in_matlab(variables)
     data = {matlab_names[name]: _array(variable) for name, variable in variables.items()}
-    check(Size(doubles=sum(array.nbytes for array in data.values())))
+    check(Size(value_bytes=sum(array.nbytes for array in data.values())))
     result = {
         "data": data,
         "dimensions": {  # rows of objects, which become cell arrays

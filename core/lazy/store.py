@@ -300,7 +300,11 @@ class ZarrStore:
             pass
 
     def finish(self, further: Mapping[str, Any] = MappingProxyType({})) -> None:
-        """Set the attributes and `further` ones, such as the cost; make the group visible."""
+        """Remove the mark of an unfinished group, add attributes, and move a group of files.
+
+        The attributes `further` are, for example, the cost. A group in an object store is written
+        in its place, and is complete without the mark.
+        """
         with plain_errors():
             group = open_group(self.under_way)
             attributes = dict(group.attrs)
@@ -308,6 +312,7 @@ class ZarrStore:
             group.attrs.put({**attributes, **further})
             consolidated = group.metadata.consolidated_metadata
             names = () if consolidated is None else consolidated.metadata
+            # Again, with the arrays in a fixed order: that of zarr differs from run to run.
             put_document(self.under_way, document_of(group, names))
         if "://" not in self.where:
             for temporary in Path(self.under_way).rglob("*.partial"):  # of writers that were killed

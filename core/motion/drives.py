@@ -286,7 +286,6 @@ def problems_of_wave(shape: Shape, values: Mapping[str, Array]) -> list[Problem]
                 "Give at least one step of the drive a duration above 0",
             )
         ]
-    axis = next(axis for i, axis in enumerate(AXES) if np.all(np.isnan(wave.steps[i]).any(axis=0)))
     return [
         Problem(
             f"parameters.acceleration_{axis}_1",
@@ -294,6 +293,8 @@ def problems_of_wave(shape: Shape, values: Mapping[str, Array]) -> list[Problem]
             "Leave out the acceleration of one step, which is then computed, or change durations "
             "so that the sum of acceleration times duration is 0",
         )
+        for levels, axis in zip(wave.steps, AXES, strict=False)
+        if np.isnan(levels).any()
     ]
 
 
@@ -474,7 +475,7 @@ def efficiency(*, motion: Motion, wave: waves.Wave) -> Array:
 def _driven_motion(
     follow: Any, *, groups: Groups, watch: Watch | None = None, **settings: Array
 ) -> Motion:
-    # No track can do what has a mean acceleration: its numbers are NaN.
+    # No track can follow a wave with a mean acceleration: the numbers of such a wave are NaN.
     motion: Motion = follow(groups=groups, watch=watch, **settings)
     assert groups.wave is not None
     has_no_drive = np.isnan(waves.size(groups.wave))

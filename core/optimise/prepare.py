@@ -293,7 +293,7 @@ def _problems_of_intervals(
         yield Problem(
             "robust",
             "robust is given, but no parameter is uncertain",
-            "Add one, for example [uncertain] friction = { lower = 0.2, upper = 0.4 }",
+            "Name one, such as uncertain.friction = { lower = 0.2, upper = 0.4 }",
         )
     if intervals and isinstance(study.criterion, Pareto):
         yield Problem(

@@ -153,7 +153,7 @@ def _draw_objective(dataset: xarray.Dataset, prepared: Optimisation, options: Op
 
 
 def _limit_label(kept: OutputBound, units: ShownUnits) -> str:
-    """Return the label of a constraint for the legend, such as "throw number < 3"."""
+    """Return the label of a constraint for the legend, such as "throw number <= 3"."""
     if kept.name not in (f"{kept.output}_lower", f"{kept.output}_upper") or kept.bound is None:
         return words(kept.name)
     shown = units.of(QUANTITIES[kept.output].unit, abs(kept.bound))

@@ -359,11 +359,12 @@ class ReferenceLaws:
         return e[0] / math.hypot(*e), e[1] / math.hypot(*e)
 
     def stopping(self, first: float, second: float, limit: float) -> tuple[float, float]:
-        """Return the friction impulse that stops a slip, or one of size `limit` if less (2).
+        """Return the two components of the friction impulse that stops a slip.
+
+        If it exceeds `limit`, the impulse has this size, against the slip that remains (`secular`).
 
         `first` and `second` are the components of the slip before; all in g/w (w = 2 pi f), per
-        mass. An impulse changes the second by `response` times itself, as spin takes part. If
-        `limit` cannot stop the slip, the impulse is opposite to the slip that is left (`secular`).
+        mass. An impulse changes the second by `response` times itself, as spin takes part.
         """
         if math.hypot(first, second / self.response) <= limit:
             return -first, -second / self.response

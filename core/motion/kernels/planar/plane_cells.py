@@ -234,7 +234,11 @@ def pieces_to_draw(
     drive: Drive, phase: float, cell: Cell, status: int, segments: Floats, count: int, slip: float,
     sums: Floats, log: Floats,
 ) -> tuple[Floats, bool]:  # fmt: skip
-    """Return the pieces of a solved motion, each in one mode, and True if it repeats after them."""
+    """Return the pieces of a solved motion, each in one mode, and True if it repeats after them.
+
+    `segments[:count]` is the cycle of the normal motion, `slip` the velocity relative to the track
+    at its start; without a cycle `count` is 0. `sums` and `log` are overwritten.
+    """
     log_rows = 0
     if status == STATUS.at_rest:
         log_rows = write_piece(log, log_rows, 0.0, TURN, MODE.stick, 0.0, 0.0, 0.0)
@@ -250,6 +254,7 @@ def pieces_to_draw(
             shown += 1
             shown_time += segments[count - shown, SEGMENT.span]
         start = velocity_at_start(drive, phase, segments, 0, count)
+        # First without pieces, for the slip at the start of the periods shown.
         slip, _, _ = follow_cycle(segments, count - shown, start, drive, sums, log[:0])
         _, _, log_rows = follow_cycle(segments[count - shown :], shown, slip, drive, sums, log)
     return log[: max(0, log_rows)].copy(), count > 0 and status == STATUS.periodic

@@ -147,7 +147,7 @@ def landing_root(
     low: float,
     high: float,
 ) -> float:
-    """Return the phase between `low` and `high` at which the height of a part falls through 0.
+    """Return the phase after `tau`, from `low` to `high`, at which a part's height falls through 0.
 
     Halley's iteration from where the parabola at `high` falls through 0: `high` may be the lowest
     point, where the velocity is rounding and no step leads anywhere.

@@ -437,8 +437,12 @@ def push_sizes(drive: RowWave) -> tuple[float, float]:
 def positive_impulse(
     drive: RowWave, body: int, along: float, normal: float, pull: float, tau: float, span: float
 ) -> float:
-    """Return the integral of the positive part of a force, max(0, a P + b S - k), over a phase."""
-    wave = combined_wave(drive, body, AIR, along, normal, pull)
+    """Return the integral of max(0, a P + b S - k) over the phase from `tau` to `tau + span`.
+
+    a, b and k are `along`, `normal` and `pull`, P and S the pushes of the drive.
+    """
+    wave = combined_wave(drive, body, AIR, along, normal, pull)  # overwrites the set `AIR` of rows
+    # From one change of sign to the next; between them the sign is that at the midpoint.
     total, begin = 0.0, 0.0
     while begin < span:
         until = min(span, later_passage(wave, AIR, tau + begin)[0] - tau)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from vibrafeed.core.motion import waves
+from vibrafeed.core.motion.drives import problems_of_wave, shape_of
 from vibrafeed.core.motion.prepare import choose_system
 from vibrafeed.core.plan.plan import plan_scene, run_equations
 
@@ -100,3 +101,12 @@ def test_a_step_of_no_length_is_none(place: int, size: float) -> None:
     found, expected = outputs_of(asked, shared | steps), outputs_of(asked, shared | plain)
     for name in asked:
         np.testing.assert_allclose(found[name], expected[name], rtol=1e-11)
+
+
+def test_each_axis_whose_steps_run_away_is_named() -> None:
+    designs = {"along": [1.0, 2.0], "normal": [4.0, 3.0]}  # another axis is at fault in each
+    values = {f"acceleration_{axis}_1": np.array(first) for axis, first in designs.items()}
+    values |= {"acceleration_along_2": np.array(-1.0), "acceleration_normal_2": np.array(-3.0)}
+    shape, _ = shape_of([*values, "duration_1", "duration_2"])
+    problems = problems_of_wave(shape, values)
+    assert [problem.place for problem in problems] == [f"parameters.{name}" for name in values][:2]
