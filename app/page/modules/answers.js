@@ -57,7 +57,7 @@ function speed({ view, scene, dataset, band, sine, unitOf }) {
   const axes = view.question === "drive" ? [view.x, view.y].filter(Boolean) : [];
   const parts = axes.length ? [axes.map(({ name }) => `${words(name)} ${withUnit(view.values[name], unitOf(name), 3)}`).join(", ")] : [];
   if (band) parts.push(bandTold(band, unit, unitOf(band.name)));
-  if (band?.isUnsettled) parts.push(`the direction depends on the ${words(band.name)}`);
+  if (band?.low < 0 && band.high > 0) parts.push("it may run backwards");
   if (sine) parts.push(`${number(value / sine, 2)} times the speed with a sine of the same amplitudes`);
   parts.push(hopTold({ dataset, scene }));
   return { ...told(value, unit), sentence: parts.join("; "), strip: band && { ...band, value, unit } };

@@ -250,11 +250,10 @@ export class Source {
   }
 
   // A line over one parameter, the others as they are in the view.
-  /** @param {View} view @param {string} name @param {number} from @param {number} to @param {How} how */
-  async line(view, name, from, to, { signal } = {}) {
-    const one = { ...view, x: { name, from, to }, y: null };
-    const study = mapStudy(one);
-    return fromDataset((await carryOut(view.kind, study, { signal })).dataset, one);
+  /** @param {View} view @param {import("./view.js").Axis} x @param {How} how */
+  async line(view, x, { signal } = {}) {
+    const one = { ...view, x, y: null };
+    return fromDataset((await carryOut(view.kind, mapStudy(one), { signal })).dataset, one);
   }
 
   async sliced(view, held, signal) {

@@ -88,8 +88,8 @@ export class Optimum {
       );
     this.states = Object.fromEntries(Object.keys(CHIPS).map((chip) => [chip, found(chip)]));
     this.first = derived(
-      (view) => (this.before ? JSON.stringify([view.scene, view.choice, this.before]) : null),
-      (view, scene, how) => design(view, scene, how, { values: this.before }),
+      (view) => (this.before ? JSON.stringify([view.scene, view.choice, this.begun(view)]) : null),
+      (view, scene, how) => design(view, scene, how, { values: this.begun(view) }),
     );
     this.around = derived(
       (view, scene) => (this.isShown(view) ? JSON.stringify(this.neighbours(view, scene)) : null),
@@ -130,6 +130,11 @@ export class Optimum {
   isShown(view) {
     const best = this.best(view);
     return Boolean(best) && Object.entries(best.at).every(([name, value]) => Math.abs(view.values[name] - value) <= 1e-6 * Math.abs(value) + 1e-12);
+  }
+
+  // The design before the search: what is not searched for is as it is now.
+  begun(view) {
+    return { ...givenValues(view), ...Object.fromEntries(variablesOf(view).filter((name) => name in this.before).map((name) => [name, this.before[name]])) };
   }
 
   neighbours(view, scene) {
@@ -280,7 +285,7 @@ export class Optimum {
 
   tellBest(view, scene, first, around) {
     const best = this.best(view);
-    const { before } = this;
+    const before = this.before && this.begun(view);
     const unitOf = (name) => unitIn(scene, name);
     const mark = (values, text) => ({ x: values[view.x.name], y: view.y ? values[view.y.name] : null, text });
     const valueBefore = first.status === "ready" ? valueOf(first.value.dataset, view.output) : null;

@@ -2,10 +2,11 @@
 // the parameters that have a slider on the first screen. Its words are in index.html.
 
 import { usualBest } from "./criterion.js";
+import { usual } from "./view.js";
 
 const MOTION = { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" };
 const KNOWN = { band: { name: "friction", share: 1 / 3 } };
-const DRIVE = ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "frequency"];
+const DRIVE = ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "frequency", "gamma"];
 
 /**
  * @typedef {object} Question
@@ -51,7 +52,7 @@ export const QUESTIONS = {
     begin: { ...MOTION, ...KNOWN, best: { ...usualBest(), isFound: true } },
     main: ["chips", "picture"],
     side: ["stage", "optimum"],
-    sliders: [],
+    sliders: ["frequency"],
   },
   waves: {
     begin: { ...MOTION, set: "ellipse" },
@@ -71,7 +72,7 @@ export const QUESTIONS = {
     },
     main: ["resonance"],
     side: ["picture"],
-    sliders: ["frequency", "load_mass", "ring_down_frequency", "spring_count"],
+    sliders: ["frequency", "load_mass", "moving_mass", "base_mass", "ring_down_frequency", "spring_count"],
   },
   uncertain: {
     begin: { ...MOTION, ...KNOWN },
@@ -140,6 +141,13 @@ export const QUESTIONS = {
     sliders: DRIVE,
   },
 };
+
+// A scene to whose usual values the axes of a question belong.
+export function withUsual(scene, { begin }) {
+  const axisOf = (name) => [begin.x, begin.y].find((one) => one?.name === name);
+  const wide = (one, { from, to }, [low, high] = usual(one)) => ({ ...one, usual: [Math.min(low, from), Math.max(high, to)] });
+  return { ...scene, parameters: scene.parameters.map((one) => (axisOf(one.name) ? wide(one, axisOf(one.name)) : one)) };
+}
 
 // The view that a question begins with.
 export function begun(question) {

@@ -48,6 +48,20 @@ export function usual(parameter) {
   return [Math.max(lower, 0.2 * typical), Math.min(upper, 2 * typical)].sort((a, b) => a - b);
 }
 
+const ROOM = 0.2; // of a value, beyond it on its axis
+
+// The same view, its axes as wide as its values ask for.
+export function widened(view, { parameters }) {
+  const wide = (axis) => {
+    const value = view.values[axis?.name];
+    if (!(value < axis?.from || value > axis?.to)) return axis;
+    const { lower, upper } = parameters.find(({ name }) => name === axis.name);
+    const room = ROOM * Math.abs(value);
+    return { ...axis, from: Math.max(lower ?? -Infinity, Math.min(axis.from, value - room)), to: Math.min(upper ?? Infinity, Math.max(axis.to, value + room)) };
+  };
+  return { ...view, x: wide(view.x), y: wide(view.y) };
+}
+
 // A sentence about a value outside of what is usual, else "". What a parameter is by itself, or its question
 // begins with, is no cause for a warning.
 export function unusual(parameter, value, begun = undefined) {
