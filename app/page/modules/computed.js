@@ -97,8 +97,8 @@ export function valueOf(dataset, name) {
   return dataset?.variables[name]?.data ?? null;
 }
 
-export function flagOf(dataset, name = "regime") {
-  const { data, flags = {} } = dataset?.variables[name] ?? {};
+export function flagOf(dataset) {
+  const { data, flags = {} } = dataset?.variables.regime ?? {};
   return Object.keys(flags).find((one) => flags[one] === data) ?? "";
 }
 
@@ -119,8 +119,7 @@ export async function bandAt(view, scene, { signal } = {}) {
   const { dataset } = await carryOut(view.kind, studyWith(view, [view.output], { ...givenValues(view), [name]: given }), { signal });
   const found = isRange ? ["least", "most"].map((end) => valueOf(dataset, `${view.output}_${end}`)) : (valueOf(dataset, view.output) ?? []);
   const known = found.filter((one) => Number.isFinite(one));
-  const isUnsettled = flagOf(dataset, "sign_unsettled") === "unsettled";
-  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from: low, to: high, isUnsettled } : null;
+  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from: low, to: high } : null;
 }
 
 // The same along a line: {low, high} of lists; null over the band's own parameter.

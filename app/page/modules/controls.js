@@ -57,7 +57,7 @@ export class Controls {
   freeing(parameter) {
     const { name } = parameter;
     const [from, to] = usual(parameter);
-    return element("div", { class: "within" }, button("Search for the best one", () => this.vary([...this.view.best.vary, { name, from, to }]), { class: "link", id: `vary-${name}` }));
+    return element("div", { class: "within" }, button(`Search for the best ${words(name)}`, () => this.vary([...this.view.best.vary, { name, from, to }]), { class: "link", id: `vary-${name}` }));
   }
 
   bounds(axis, more = "") {

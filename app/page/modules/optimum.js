@@ -157,7 +157,7 @@ export class Optimum {
     this.scene = scene;
     this.wishes.show(view, scene);
     const names = [...Object.keys(view.values)];
-    if (!this.before || names.some((name) => !(name in this.before)) || this.sceneOf !== view.scene) this.before = { ...givenValues(view) };
+    if (!this.before || names.some((name) => !(name in this.before)) || this.sceneOf !== view.scene) this.before = { ...view.values };
     this.sceneOf = view.scene;
     this.isKept = isKept;
   }
@@ -292,11 +292,13 @@ export class Optimum {
     const told = (value, unit) => (Number.isFinite(value) ? number(value * shown(unit)[0], 3) : "–");
     const isAt = this.isShown(view);
     const marks = [];
-    if (before && view.x.name in before) marks.push({ ...mark({ ...view.values, ...before }, `before ${told(valueBefore, unitOf(view.output))}`), isEnd: true, to: best.at });
-    if (!isAt) marks.push(mark(best.at, `best ${told(best.values[view.output].value, unitOf(view.output))}`));
+    // The map is of the frequency that is set: a drive of another one has no place in it.
+    const isOnMap = (values) => view.best.vary.every(({ name }) => values[name] === view.values[name]);
+    if (before && view.x.name in before && isOnMap(before)) marks.push({ ...mark({ ...view.values, ...before }, `before ${told(valueBefore, unitOf(view.output))}`), isEnd: true, to: best.at });
+    if (!isAt && isOnMap(best.at)) marks.push(mark(best.at, `best ${told(best.values[view.output].value, unitOf(view.output))}`));
     const still = this.states.still.state.value;
     const [quiet] = still.status === "ready" && chipOf(view.best) !== "still" ? still.value : [];
-    if (quiet?.isThere) marks.push({ ...mark({ ...view.values, ...quiet.at }, `no hop ${told(quiet.values[view.output].value, unitOf(view.output))}`), isEnd: true });
+    if (quiet?.isThere && isOnMap(quiet.at)) marks.push({ ...mark({ ...view.values, ...quiet.at }, `no hop ${told(quiet.values[view.output].value, unitOf(view.output))}`), isEnd: true });
     this.mark(marks, "best");
     const names = [...new Set([...Object.keys(best.at), ...["frequency"].filter((name) => name in view.values)])];
     const [outputs, values] = [TOLD.filter((name) => name in best.values || name === view.output), { ...view.values, ...best.at }];
