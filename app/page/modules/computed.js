@@ -156,10 +156,7 @@ function fromDataset(dataset, view) {
     x: axis(view.x.name),
     y: view.y ? axis(view.y.name) : null,
     z: { name: view.output, unit: variable.units, at: reader(variable), isJudged: "ancillary_variables" in variable },
-    regime: regime && {
-      at: reader(regime),
-      names: Object.fromEntries(Object.entries(regime.flags).map(([n, value]) => [value, n])),
-    },
+    regime: regime && { at: reader(regime), names: Object.fromEntries(Object.entries(regime.flags).map(([n, value]) => [value, n])) },
   };
 }
 

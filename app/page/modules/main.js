@@ -23,7 +23,7 @@ import { Picture, ringOf } from "./picture.js";
 import { LETTERS, Pins } from "./pins.js";
 import { tellMoves } from "./plate.js";
 import { Player } from "./player.js";
-import { QUESTIONS, begun, withUsual } from "./questions.js";
+import { QUESTIONS, begun } from "./questions.js";
 import { STROKE, isSet, takes, takesBoth, withSet } from "./sets.js";
 import { Refusal, abandon, get } from "./service.js";
 import { tellSheet } from "./sheet.js";
@@ -470,7 +470,7 @@ class Page {
     }
     const isTaken = (set) => isSet(set) && (set === STROKE ? takesBoth(scene) : wanted.kind !== "sweep" && takes(scene, set));
     if (wanted.set && !isTaken(wanted.set)) wanted = { ...wanted, set: null };
-    scene = withUsual(withSet(scene, wanted.set), QUESTIONS[wanted.question]);
+    scene = withSet(scene, wanted.set);
     learn(scene);
     const made = complete(wanted, scene);
     complaints.push(...made.complaints.filter(({ of }) => named.has(of)).map(({ text }) => text));

@@ -2,7 +2,6 @@
 // the parameters that have a slider on the first screen. Its words are in index.html.
 
 import { usualBest } from "./criterion.js";
-import { usual } from "./view.js";
 
 const MOTION = { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" };
 const KNOWN = { band: { name: "friction", share: 1 / 3 } };
@@ -141,13 +140,6 @@ export const QUESTIONS = {
     sliders: DRIVE,
   },
 };
-
-// A scene to whose usual values the axes of a question belong.
-export function withUsual(scene, { begin }) {
-  const axisOf = (name) => [begin.x, begin.y].find((one) => one?.name === name);
-  const wide = (one, { from, to }, [low, high] = usual(one)) => ({ ...one, usual: [Math.min(low, from), Math.max(high, to)] });
-  return { ...scene, parameters: scene.parameters.map((one) => (axisOf(one.name) ? wide(one, axisOf(one.name)) : one)) };
-}
 
 // The view that a question begins with.
 export function begun(question) {
