@@ -72,7 +72,7 @@ def test_handles_are_moved_by_keys_and_escape_undoes_a_drag(page: Page, address:
     pressed(page, line, "ArrowRight", "Shift+ArrowUp")
     expect(line).to_have_attribute("aria-valuetext", "0.51\u00a0mm, 25°")
     expect(line).to_be_focused()
-    slope = page.get_by_role("slider", name="Climb of the track")
+    slope = page.get_by_role("slider", name="Climb of the track", exact=True)
     pressed(page, slope, "Shift+ArrowUp")
     expect(slope).to_have_attribute("aria-valuetext", "climb 5°")
     settled(page)

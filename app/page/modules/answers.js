@@ -54,7 +54,7 @@ function hopTold({ dataset, scene }) {
 function speed({ view, scene, dataset, band, sine, unitOf }) {
   const value = valueOf(dataset, view.output);
   const unit = unitOf(view.output);
-  const axes = view.question === "drive" ? [view.x, view.y].filter(Boolean) : [];
+  const axes = view.question === "drive" ? [view.x, view.y, ...view.best.vary].filter(Boolean) : [];
   const parts = axes.length ? [axes.map(({ name }) => `${words(name)} ${withUnit(view.values[name], unitOf(name), 3)}`).join(", ")] : [];
   if (band) parts.push(`${ends(band.low, band.high, unit)} ${bandTold(band, unitOf(band.name))}`);
   if (sine) parts.push(`${number(value / sine, 2)} times the speed with a sine of the same amplitudes`);
