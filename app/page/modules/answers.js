@@ -39,9 +39,9 @@ function ends(low, high, unit, digits = 2) {
   return one === other ? `${one} ${name}`.trim() : `${one} to ${other} ${name}`.trim();
 }
 
-// The sentence of a band: "42 to 57 mm/s for friction 0.2 to 0.4".
-function bandTold({ name, low, high, from, to }, unit, parameterUnit) {
-  return `${ends(low, high, unit)} for ${words(name)} ${ends(from, to, parameterUnit)}`;
+// The sentence of a band: "for friction 0.2 to 0.4", after its range.
+function bandTold({ name, low, high, from, to }, unit) {
+  return `for ${words(name)} ${ends(from, to, unit)}${low < 0 && high > 0 ? "; it may run backwards" : ""}`;
 }
 
 function hopTold({ dataset, scene }) {
@@ -54,10 +54,9 @@ function hopTold({ dataset, scene }) {
 function speed({ view, scene, dataset, band, sine, unitOf }) {
   const value = valueOf(dataset, view.output);
   const unit = unitOf(view.output);
-  const axes = view.question === "drive" ? [view.x, view.y].filter(Boolean) : [];
+  const axes = view.question === "drive" ? [view.x, view.y, ...view.best.vary].filter(Boolean) : [];
   const parts = axes.length ? [axes.map(({ name }) => `${words(name)} ${withUnit(view.values[name], unitOf(name), 3)}`).join(", ")] : [];
-  if (band) parts.push(bandTold(band, unit, unitOf(band.name)));
-  if (band?.isUnsettled) parts.push(`the direction depends on the ${words(band.name)}`);
+  if (band) parts.push(`${ends(band.low, band.high, unit)} ${bandTold(band, unitOf(band.name))}`);
   if (sine) parts.push(`${number(value / sine, 2)} times the speed with a sine of the same amplitudes`);
   parts.push(hopTold({ dataset, scene }));
   return { ...told(value, unit), sentence: parts.join("; "), strip: band && { ...band, value, unit } };
@@ -84,7 +83,7 @@ function uncertain(given) {
   const [factor, name] = shown(unit);
   const range = ends(band.low, band.high, unit).replace(name, "").trim();
   const most = matters?.[0];
-  const parts = [`for ${words(band.name)} ${ends(band.from, band.to, unitOf(band.name))}`];
+  const parts = [bandTold(band, unitOf(band.name))];
   if (most) parts.push(`the ${words(most.name)} matters most`);
   const value = valueOf(dataset, view.output);
   parts.push(`${number(value * factor, 3)} ${name} in the middle`);
@@ -112,7 +111,7 @@ function plate(given) {
   const unit = unitOf(view.output);
   const direction = valueOf(dataset, "travel_direction");
   const made = told(value, unit);
-  const parts = [band && bandTold(band, unit, unitOf(band.name)), field && gathersTold(field), hopTold(given), "0° is along x, 90° along y"];
+  const parts = [band && `${ends(band.low, band.high, unit)} ${bandTold(band, unitOf(band.name))}`, field && gathersTold(field), hopTold(given), "0° is along x, 90° along y"];
   return { ...made, unit: Number.isFinite(direction) ? `${made.unit} to ${number(direction, 3)}°` : made.unit, sentence: parts.filter(Boolean).join("; "), strip: band && { ...band, value, unit } };
 }
 

@@ -5,7 +5,7 @@ import { label, number, shown } from "./words.js";
 
 const { ticks } = /** @type {any} */ (window).d3;
 
-export const FRAME = { left: 52, right: 12, top: 10, bottom: 42 };
+export const FRAME = { left: 64, right: 12, top: 10, bottom: 42 };
 
 const FAR = 1e6; // px: beyond all screens, and a number that a picture takes
 

@@ -97,8 +97,8 @@ export function valueOf(dataset, name) {
   return dataset?.variables[name]?.data ?? null;
 }
 
-export function flagOf(dataset, name = "regime") {
-  const { data, flags = {} } = dataset?.variables[name] ?? {};
+export function flagOf(dataset) {
+  const { data, flags = {} } = dataset?.variables.regime ?? {};
   return Object.keys(flags).find((one) => flags[one] === data) ?? "";
 }
 
@@ -119,8 +119,7 @@ export async function bandAt(view, scene, { signal } = {}) {
   const { dataset } = await carryOut(view.kind, studyWith(view, [view.output], { ...givenValues(view), [name]: given }), { signal });
   const found = isRange ? ["least", "most"].map((end) => valueOf(dataset, `${view.output}_${end}`)) : (valueOf(dataset, view.output) ?? []);
   const known = found.filter((one) => Number.isFinite(one));
-  const isUnsettled = flagOf(dataset, "sign_unsettled") === "unsettled";
-  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from: low, to: high, isUnsettled } : null;
+  return known.length ? { name, low: Math.min(...known), high: Math.max(...known), from: low, to: high } : null;
 }
 
 // The same along a line: {low, high} of lists; null over the band's own parameter.
@@ -157,10 +156,7 @@ function fromDataset(dataset, view) {
     x: axis(view.x.name),
     y: view.y ? axis(view.y.name) : null,
     z: { name: view.output, unit: variable.units, at: reader(variable), isJudged: "ancillary_variables" in variable },
-    regime: regime && {
-      at: reader(regime),
-      names: Object.fromEntries(Object.entries(regime.flags).map(([n, value]) => [value, n])),
-    },
+    regime: regime && { at: reader(regime), names: Object.fromEntries(Object.entries(regime.flags).map(([n, value]) => [value, n])) },
   };
 }
 
@@ -250,11 +246,10 @@ export class Source {
   }
 
   // A line over one parameter, the others as they are in the view.
-  /** @param {View} view @param {string} name @param {number} from @param {number} to @param {How} how */
-  async line(view, name, from, to, { signal } = {}) {
-    const one = { ...view, x: { name, from, to }, y: null };
-    const study = mapStudy(one);
-    return fromDataset((await carryOut(view.kind, study, { signal })).dataset, one);
+  /** @param {View} view @param {import("./view.js").Axis} x @param {How} how */
+  async line(view, x, { signal } = {}) {
+    const one = { ...view, x, y: null };
+    return fromDataset((await carryOut(view.kind, mapStudy(one), { signal })).dataset, one);
   }
 
   async sliced(view, held, signal) {

@@ -1,7 +1,7 @@
 // The fields of a view: the sliders of its question, part and friction in one menu, all else under Expert.
 
 import { byId, element, fill, refill } from "./elements.js";
-import { choiceField, grouped, numberInput } from "./fields.js";
+import { button, choiceField, grouped, numberInput, readNumber } from "./fields.js";
 import { liftOff } from "./answers.js";
 import { pictured } from "./opening.js";
 import { FIRST_PART, PARTS, partDrawn, partOf } from "./parts.js";
@@ -35,23 +35,40 @@ export class Controls {
     const record = QUESTIONS[view.question];
     const ofSet = view.set && view.set !== STROKE ? Object.keys(SETS[view.set].parameters) : [];
     const named = record.sliders.some((name) => ofSet.includes(name)) ? record.sliders : [...ofSet, ...record.sliders];
-    let first = named.map((name) => parameters.find((one) => one.name === name)).filter(Boolean);
-    if (!first.length && record.sliders.length) first = parameters.filter(({ name }) => name !== SELDOM).slice(0, 3);
+    const varied = view.question === "drive" ? view.best.vary : [];
+    const isVaried = (name) => varied.some((one) => one.name === name);
+    let first = named.map((name) => parameters.find((one) => one.name === name && !isVaried(name))).filter(Boolean);
+    if (!first.length && record.sliders.length && !varied.length) first = parameters.filter(({ name }) => name !== SELDOM).slice(0, 3);
     this.first = new Set(first.map(({ name }) => name));
     const isSearch = view.question === "drive";
-    const bounds = isSearch ? [view.x, view.y].filter(Boolean).map((axis) => this.bounds(axis, " may be")) : [];
-    refill(byId("first"), ...bounds, ...first.map((one) => this.slider(one)));
+    const bounds = isSearch ? [view.x, view.y, ...varied].filter(Boolean).map((axis) => this.bounds(axis, " may be")) : [];
+    refill(byId("first"), ...bounds, ...first.map((one) => this.slider(one, isSearch ? this.freeing(one) : null)));
     this.partMenu();
     // A place of a line without a device has no turn.
     const isEmpty = (name) => /^turn_\d$/.test(name) && !Object.keys(view.values).some((one) => !/^(turn|drop_count)/.test(one) && one.endsWith(name.slice(4)));
-    this.tellExpert(scenes, parameters.filter(({ name }) => !this.sliders.has(name) && !isEmpty(name)));
+    this.tellExpert(scenes, parameters.filter(({ name }) => !this.sliders.has(name) && !isVaried(name) && !isEmpty(name)));
+  }
+
+  // What the search may choose, too.
+  vary(rows) {
+    this.change({ best: { ...this.view.best, vary: rows, isFound: true } });
+  }
+
+  freeing(parameter) {
+    const { name } = parameter;
+    const [from, to] = usual(parameter);
+    return element("div", { class: "within" }, button(`Search for the best ${words(name)}`, () => this.vary([...this.view.best.vary, { name, from, to }]), { class: "link", id: `vary-${name}` }));
   }
 
   bounds(axis, more = "") {
-    const place = axis === this.view.x ? "x" : "y";
+    const { view } = this;
+    const place = ["x", "y"].find((one) => view[one] === axis);
     const parameter = this.parameters.find(({ name }) => name === axis.name);
     const text = capital(words(axis.name)).replace(" of vibration", "") + more;
-    return rangeField(text, axis, parameter, (from, to) => this.change({ [place]: { ...this.view[place], from, to } }));
+    if (place) return rangeField(text, axis, parameter, (from, to) => this.change({ [place]: { ...axis, from, to } }));
+    const others = view.best.vary.filter((one) => one !== axis);
+    const fixing = button("×", () => this.vary(others), { class: "remove", "aria-label": `Search no ${words(axis.name)}` });
+    return rangeField(text, axis, parameter, (from, to) => this.vary(view.best.vary.map((one) => (one === axis ? { ...axis, from, to } : one))), fixing);
   }
 
   slider(parameter, ...more) {
@@ -67,7 +84,7 @@ export class Controls {
         onremove: isAdded ? () => this.remove(name) : null,
       },
       ...more,
-      this.isUncertain(name) ? this.share() : null,
+      this.isUncertain(name) ? this.share(parameter) : null,
     );
     this.sliders.set(name, made);
     return made.field;
@@ -77,12 +94,26 @@ export class Controls {
     return this.view.band?.name === name;
   }
 
-  // How far what is not known exactly may lie from its value.
-  share() {
+  // How far what is not known exactly may lie from its value, or the range of it.
+  share({ name, unit }) {
     const { band } = this.view;
     const check = (value) => (value > 0 && value <= 90 ? "" : "The uncertainty has to be more than 0 % and at most 90 %");
-    const field = numberInput("Known within, in per cent", Number((100 * band.share).toPrecision(3)), "%", (value) => this.change({ band: { ...this.view.band, share: value / 100 } }), { id: "band-share", check });
-    return element("div", { class: "within" }, "known within ±", element("span", { class: "slot" }, field, element("span", { class: "unit" }, "%")));
+    const field = numberInput("Known within, in per cent", Number((100 * band.share).toPrecision(3)), "%", (value) => this.change({ band: { ...this.view.band, share: value / 100 } }), { id: "band-share", check, title: "A share, or a range such as 0.2 to 0.3" });
+    const take = (event) => {
+      const [low, high] = field.value.split(/ to |\u2013/).map((one) => readNumber(one, unit).value);
+      if (!(low > 0 && low < high)) return;
+      event.stopImmediatePropagation();
+      this.range(name, [low, high]);
+    };
+    field.addEventListener("change", take, { capture: true });
+    return element("div", { class: "within" }, "within ±", element("span", { class: "slot" }, field, element("span", { class: "unit" }, "%")), "or a range");
+  }
+
+  // What is known as a range: its middle, and how far its ends are away.
+  range(name, [low, high], pair = "") {
+    const middle = (low + high) / 2;
+    const share = middle ? Math.min(0.9, (high - low) / 2 / middle) : 0;
+    this.change({ values: { ...this.view.values, [name]: Number(middle.toPrecision(4)) }, band: share ? { name, share } : null, pair });
   }
 
   // Another view with the same fields: each shows its value.
@@ -134,13 +165,7 @@ export class Controls {
     const chosen = (place) => {
       if (place === "") return;
       const { row, range } = rows[Number(place)];
-      const middle = (range[0] + range[1]) / 2;
-      const share = middle ? (range[1] - range[0]) / 2 / middle : 0;
-      this.change({
-        values: { ...this.view.values, [parameter.name]: Number(middle.toPrecision(4)) },
-        band: share ? { name: parameter.name, share: Math.min(0.9, share) } : null,
-        pair: `${row.part} on ${row.track}`,
-      });
+      this.range(parameter.name, range, `${row.part} on ${row.track}`);
     };
     const told = (range) => (range[0] === range[1] ? range[0] : `${range[0]} to ${range[1]}`);
     const options = rows.map(({ row, range }, place) => [String(place), `${row.part} on ${row.track}, ${row.surface}: ${told(range)}`]);

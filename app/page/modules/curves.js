@@ -80,11 +80,11 @@ export class Curves extends Plot {
     const bottom = height - FRAME.bottom;
     const points = (this.measured ?? []).map(([x, y]) => drawn("circle", { cx: this.x.place(x), cy: this.y.place(y), r: 4, class: "measured" }));
     const marks = Object.values(this.marks).flat().map(({ x, text }) => ({ at: this.x.place(x), text }));
-    const lines = marks.flatMap(({ at, text }) => {
+    const lines = marks.flatMap(({ at, text }, k) => {
       const isLeft = at > 0.75 * width || marks.some((other) => other.at > at && other.at < at + 80);
       return [
         drawn("line", { x1: at, x2: at, y1: FRAME.top, y2: bottom, class: "marked" }),
-        drawn("text", { x: at + (isLeft ? -6 : 6), y: FRAME.top + 12, "text-anchor": isLeft ? "end" : "start", class: "label haloed" }, text ?? ""),
+        drawn("text", { x: at + (isLeft ? -6 : 6), y: FRAME.top + 12 + 16 * k, "text-anchor": isLeft ? "end" : "start", class: "label haloed" }, text ?? ""),
       ];
     });
     fill(this.drawnMarks, ...points, ...lines);

@@ -117,10 +117,11 @@ function plain(text) {
   return /^[-+]?(\d+[.,]?\d*|[.,]\d+)(e[-+]?\d+)?$/i.test(text) ? Number(text.replace(",", ".")) : null;
 }
 
-// As it stands in a field: six digits, in the unit that is shown.
+// As it stands in a field, in the unit that is shown: six digits, four of what has more, as what was computed has.
 export function fieldText(value, unit) {
-  const [factor] = shown(unit);
-  return value === null || value === undefined ? "" : String(Number((value * factor).toPrecision(6)));
+  if (value === null || value === undefined) return "";
+  const [exact, short] = [6, 4].map((digits) => Number((value * shown(unit)[0]).toPrecision(digits)));
+  return String(Math.abs(exact - value * shown(unit)[0]) > 1e-9 * Math.abs(exact) ? short : exact);
 }
 
 // Outputs in groups: what a designer asks for most in front, then by what they are about.

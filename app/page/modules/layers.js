@@ -73,16 +73,8 @@ function placesAmong(count) {
 
 export function clipDrawn(width, height) {
   const { left, right, top, bottom } = FRAME;
-  return drawn(
-    "clipPath",
-    { id: "inside" },
-    drawn("rect", {
-      x: left + 1,
-      y: top + 1,
-      width: Math.max(0, width - left - right - 2),
-      height: Math.max(0, height - top - bottom - 2),
-    }),
-  );
+  const [wide, tall] = [width - left - right, height - top - bottom].map((side) => Math.max(0, side - 2));
+  return drawn("clipPath", { id: "inside" }, drawn("rect", { x: left + 1, y: top + 1, width: wide, height: tall }));
 }
 
 // Lines over what does not describe a real part, so that its colours are not read as speeds.
@@ -127,11 +119,8 @@ function path(polygons, data, x, y) {
   const parts = [];
   for (const polygon of polygons) {
     for (const ring of polygon) {
-      const points = ring.map(
-        // d3 puts the value of a cell into its middle
-        ([i, j]) =>
-          `${placed(x, data.x.values, i - 0.5).toFixed(1)},${placed(y, data.y.values, j - 0.5).toFixed(1)}`,
-      );
+      // d3 puts the value of a cell into its middle.
+      const points = ring.map(([i, j]) => `${placed(x, data.x.values, i - 0.5).toFixed(1)},${placed(y, data.y.values, j - 0.5).toFixed(1)}`);
       parts.push(`M${points.join("L")}Z`);
     }
   }

@@ -56,17 +56,8 @@ export function tellDevices(host, view, scene, { onadd, onremove }) {
 // The figures of the thesis as views.
 export function viewOf(figure) {
   const { study } = figure;
-  const view = {
-    question: "thesis",
-    figure: figure.name,
-    kind: study.kind,
-    scene: study.scene,
-    choice: study.variant ?? "",
-    output: study.outputs[0],
-    values: {},
-    x: null,
-    y: null,
-  };
+  const { kind, scene, variant: choice = "", outputs: [output] } = study;
+  const view = { question: "thesis", figure: figure.name, kind, scene, choice, output, values: {}, x: null, y: null };
   const ranged = [];
   for (const [name, value] of Object.entries(study.parameters)) {
     if (typeof value === "number") view.values[name] = value;

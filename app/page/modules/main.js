@@ -30,7 +30,7 @@ import { tellSheet } from "./sheet.js";
 import { Stage } from "./stage.js";
 import { COARSE, Derived, Store, batch, effect, untracked } from "./store.js";
 import { Surface, surfaceStudy } from "./surface.js";
-import { frozen, unusual } from "./view.js";
+import { frozen, unusual, widened } from "./view.js";
 import { tellWaves } from "./waves.js";
 import { capital, duration, learn, number, valuesTold, words } from "./words.js";
 
@@ -90,12 +90,11 @@ class Page {
           ? { asking: "This method takes long to compare with what was measured." }
           : this.measured.fit(view, scene, how),
     );
+    const around = (view) => [view.x, view.y].find((axis) => axis?.name === "frequency") ?? { name: "frequency", from: 20, to: 100 };
+    const isResonant = ({ question, output }, scene) => question === "springs" && scene.outputs.find(({ name }) => name === output).asks.includes("frequency");
     this.resonance = derived(
-      (view, scene) => (view.question === "springs" && scene.outputs.find(({ name }) => name === view.output).asks.includes("frequency") ? pictureOf({ ...view, x: { name: "frequency", from: 0, to: 0 }, y: null, band: null }) : null),
-      (view, _, how) => {
-        const { from, to } = [view.x, view.y].find((axis) => axis?.name === "frequency") ?? { from: 20, to: 100 };
-        return source.line(view, "frequency", from, to, how);
-      },
+      (view, scene) => (isResonant(view, scene) ? pictureOf({ ...view, x: around(view), y: null, band: null }) : null),
+      (view, _, how) => source.line(view, around(view), how),
     );
   }
 
@@ -412,9 +411,11 @@ class Page {
   // handle is: the address has the value where it is let go.
   setView(patch, { held = null, isStep = true } = {}) {
     const before = this.view;
-    const view = { ...before, ...patch };
+    // The axes of a search are its bounds: they stay.
+    const isWide = patch.values && held === null && before.question !== "drive";
+    const view = isWide ? widened({ ...before, ...patch }, this.store.scene.peek()) : { ...before, ...patch };
     const isSame = OPENED_ANEW.every((name) => JSON.stringify(view[name]) === JSON.stringify(before[name]));
-    const names = (one) => Object.keys(one.values).sort().join();
+    const names = (one) => Object.keys(one.values).sort().join() + JSON.stringify(one.best?.vary);
     if (!isSame || names(view) !== names(before)) {
       if ("kind" in patch || "scene" in patch) {
         view.set = before.set === STROKE ? STROKE : null;

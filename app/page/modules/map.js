@@ -147,15 +147,8 @@ export class HeatMap extends Plot {
   svgText(style, told) {
     const { left, right, top, bottom } = FRAME;
     const { width, height } = this.size;
-    const colours = drawn("image", {
-      x: left,
-      y: top,
-      width: width - left - right,
-      height: height - top - bottom,
-      preserveAspectRatio: "none",
-      "image-rendering": "pixelated",
-      href: this.canvas.toDataURL(),
-    });
+    const place = { x: left, y: top, width: width - left - right, height: height - top - bottom };
+    const colours = drawn("image", { ...place, preserveAspectRatio: "none", "image-rendering": "pixelated", href: this.canvas.toDataURL() });
     return super.svgText(style, told, { before: [colours], bar: { range: this.range, ...this.data.z } });
   }
 }

@@ -17,6 +17,7 @@ export function markDrawn({ x, y, text, regime, isSmall, isDragged, isEnd, to },
   if (isSmall) return drawn("circle", { cx, cy, r: SMALL, class: "marker", fill: map.data.look(regime).colour });
   const isRight = cx > map.size.width * 0.7;
   const isHigh = cy < 2 * FRAME.top + 14;
+  const isAbove = isEnd || (isRight && !isHigh);
   // The flight from a design to a better one.
   const end = to && [map.x.place(to[map.data.x.name]), map.y.place(to[map.data.y.name])];
   const way = end ? `M${cx} ${cy}Q${(cx + end[0]) / 2} ${Math.min(cy, end[1]) - 26} ${end[0]} ${end[1]}` : "";
@@ -28,7 +29,7 @@ export function markDrawn({ x, y, text, regime, isSmall, isDragged, isEnd, to },
     drawn("circle", { cx, cy, r: isDragged ? 10 : 6, class: "halo" }),
     drawn("circle", { cx, cy, r: isDragged ? 10 : 6, class: "ring" }),
     ...(isDragged ? [drawn("circle", { cx, cy, r: 1.5, class: "point" })] : []),
-    drawn("text", { x: isEnd ? cx + (isRight ? 10 : 0) : cx + (isRight ? -16 : 16), y: isEnd ? cy - 16 : cy + (isHigh ? 18 : 5), "text-anchor": isRight ? "end" : isEnd ? "middle" : "start", class: "haloed label" }, text),
+    drawn("text", { x: isAbove ? cx + (isRight ? 10 : 0) : cx + (isRight ? -16 : 16), y: isAbove ? cy - 16 : cy + (isHigh ? 18 : 5), "text-anchor": isRight ? "end" : isEnd ? "middle" : "start", class: "haloed label" }, text),
   );
 }
 

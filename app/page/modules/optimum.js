@@ -88,8 +88,8 @@ export class Optimum {
       );
     this.states = Object.fromEntries(Object.keys(CHIPS).map((chip) => [chip, found(chip)]));
     this.first = derived(
-      (view) => (this.before ? JSON.stringify([view.scene, view.choice, this.before]) : null),
-      (view, scene, how) => design(view, scene, how, { values: this.before }),
+      (view) => (this.before ? JSON.stringify([view.scene, view.choice, this.begun(view)]) : null),
+      (view, scene, how) => design(view, scene, how, { values: this.begun(view) }),
     );
     this.around = derived(
       (view, scene) => (this.isShown(view) ? JSON.stringify(this.neighbours(view, scene)) : null),
@@ -132,6 +132,11 @@ export class Optimum {
     return Boolean(best) && Object.entries(best.at).every(([name, value]) => Math.abs(view.values[name] - value) <= 1e-6 * Math.abs(value) + 1e-12);
   }
 
+  // The design before the search: what is not searched for is as it is now.
+  begun(view) {
+    return { ...givenValues(view), ...Object.fromEntries(variablesOf(view).filter((name) => name in this.before).map((name) => [name, this.before[name]])) };
+  }
+
   neighbours(view, scene) {
     const { at } = this.best(view);
     const around = (name) => {
@@ -152,7 +157,7 @@ export class Optimum {
     this.scene = scene;
     this.wishes.show(view, scene);
     const names = [...Object.keys(view.values)];
-    if (!this.before || names.some((name) => !(name in this.before)) || this.sceneOf !== view.scene) this.before = { ...givenValues(view) };
+    if (!this.before || names.some((name) => !(name in this.before)) || this.sceneOf !== view.scene) this.before = { ...view.values };
     this.sceneOf = view.scene;
     this.isKept = isKept;
   }
@@ -280,18 +285,20 @@ export class Optimum {
 
   tellBest(view, scene, first, around) {
     const best = this.best(view);
-    const { before } = this;
+    const before = this.before && this.begun(view);
     const unitOf = (name) => unitIn(scene, name);
     const mark = (values, text) => ({ x: values[view.x.name], y: view.y ? values[view.y.name] : null, text });
     const valueBefore = first.status === "ready" ? valueOf(first.value.dataset, view.output) : null;
     const told = (value, unit) => (Number.isFinite(value) ? number(value * shown(unit)[0], 3) : "–");
     const isAt = this.isShown(view);
     const marks = [];
-    if (before && view.x.name in before) marks.push({ ...mark({ ...view.values, ...before }, `before ${told(valueBefore, unitOf(view.output))}`), isEnd: true, to: best.at });
-    if (!isAt) marks.push(mark(best.at, `best ${told(best.values[view.output].value, unitOf(view.output))}`));
+    // The map is of the frequency that is set: a drive of another one has no place in it.
+    const isOnMap = (values) => view.best.vary.every(({ name }) => values[name] === view.values[name]);
+    if (before && view.x.name in before && isOnMap(before)) marks.push({ ...mark({ ...view.values, ...before }, `before ${told(valueBefore, unitOf(view.output))}`), isEnd: true, to: best.at });
+    if (!isAt && isOnMap(best.at)) marks.push(mark(best.at, `best ${told(best.values[view.output].value, unitOf(view.output))}`));
     const still = this.states.still.state.value;
     const [quiet] = still.status === "ready" && chipOf(view.best) !== "still" ? still.value : [];
-    if (quiet?.isThere) marks.push({ ...mark({ ...view.values, ...quiet.at }, `no hop ${told(quiet.values[view.output].value, unitOf(view.output))}`), isEnd: true });
+    if (quiet?.isThere && isOnMap(quiet.at)) marks.push({ ...mark({ ...view.values, ...quiet.at }, `no hop ${told(quiet.values[view.output].value, unitOf(view.output))}`), isEnd: true });
     this.mark(marks, "best");
     const names = [...new Set([...Object.keys(best.at), ...["frequency"].filter((name) => name in view.values)])];
     const [outputs, values] = [TOLD.filter((name) => name in best.values || name === view.output), { ...view.values, ...best.at }];

@@ -7,7 +7,7 @@ import { capital, number, shown } from "./words.js";
 const PANEL = 88; // px
 const CURVE = 60; // px, of its height
 const OF_ROW = 2.5; // times as high: there is one
-const LEFT = 52; // px
+const LEFT = 64; // px, as of a map
 const PHASES = 30; // px, of what the part does, above the curves
 const RIGHT = 8; // px
 const LEAST = 280; // px

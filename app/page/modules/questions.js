@@ -5,7 +5,7 @@ import { usualBest } from "./criterion.js";
 
 const MOTION = { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" };
 const KNOWN = { band: { name: "friction", share: 1 / 3 } };
-const DRIVE = ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "frequency"];
+const DRIVE = ["amplitude", "peak_to_peak", "vertical_amplitude", "beta", "frequency", "gamma"];
 
 /**
  * @typedef {object} Question
@@ -51,7 +51,7 @@ export const QUESTIONS = {
     begin: { ...MOTION, ...KNOWN, best: { ...usualBest(), isFound: true } },
     main: ["chips", "picture"],
     side: ["stage", "optimum"],
-    sliders: [],
+    sliders: ["frequency"],
   },
   waves: {
     begin: { ...MOTION, set: "ellipse" },
@@ -71,7 +71,7 @@ export const QUESTIONS = {
     },
     main: ["resonance"],
     side: ["picture"],
-    sliders: ["frequency", "load_mass", "ring_down_frequency", "spring_count"],
+    sliders: ["frequency", "load_mass", "moving_mass", "base_mass", "ring_down_frequency", "spring_count"],
   },
   uncertain: {
     begin: { ...MOTION, ...KNOWN },

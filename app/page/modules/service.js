@@ -47,12 +47,7 @@ async function ask(path, { method = "GET", body, headers = {}, signal } = {}) {
   if (body !== undefined) sent["Content-Type"] = "application/json";
   let reply;
   try {
-    reply = await fetch(address(path), {
-      method,
-      headers: sent,
-      body: body === undefined ? undefined : JSON.stringify(body),
-      signal,
-    });
+    reply = await fetch(address(path), { method, headers: sent, body: body === undefined ? undefined : JSON.stringify(body), signal });
   } catch (error) {
     if (error.name === "AbortError") throw error;
     throw new Away();

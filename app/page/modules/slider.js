@@ -94,7 +94,7 @@ export function sliderField(view, parameter, { onmove, ontake, onremove = null }
 }
 
 // Two ends of what may be chosen, on one line: `ontake(from, to)` hears.
-export function rangeField(text, axis, parameter, ontake) {
+export function rangeField(text, axis, parameter, ontake, ...more) {
   const { name, unit } = parameter;
   const [least, most] = usual(parameter);
   const [low, high] = [Math.min(least, axis.from), Math.max(most, axis.to)];
@@ -105,6 +105,7 @@ export function rangeField(text, axis, parameter, ontake) {
   const typed = ["Least", "Largest"].map((which, k) => {
     const told = `${which} ${words(name)}`;
     const field = numberInput(told, ends[k], unit, (value) => ontake(...(k ? [ends[0], value] : [value, ends[1]])), {
+      id: `${k ? "most" : "least"}-${name}`,
       check: (value) => ((k ? value > ends[0] : value < ends[1]) ? "" : "The lower bound has to be below the upper bound"),
     });
     const slider = element("input", {
@@ -131,7 +132,7 @@ export function rangeField(text, axis, parameter, ontake) {
   return element(
     "div",
     { class: "field bounds" },
-    element("span", { class: "name" }, text),
+    element("span", { class: "name" }, text, ...more),
     element("span", { class: "pair" }, element("span", { class: "slot" }, typed[0]), " to ", element("span", { class: "slot" }, typed[1], unitShown ? element("span", { class: "unit" }, unitShown) : null)),
     track,
   );

@@ -148,7 +148,7 @@ export class Stage {
     const isNarrow = width < 430;
     parts.push(drawn("text", { x: isNarrow ? 12 : width - 16, y: this.size.height - 6, "text-anchor": isNarrow ? "start" : "end", class: "pale haloed" }, course ? (isNarrow ? enlarged : `Part to scale, its ${enlarged}`) : "Part to scale, at rest"));
     if (!isNarrow && !this.vibration.hasAttribute("hidden")) {
-      parts.push(drawn("text", { x: 16, y: this.size.height - 6, class: "pale haloed" }, "Drag a blue handle, or turn a slider."));
+      parts.push(drawn("text", { x: 16, y: this.size.height - 6, class: "pale haloed" }, "Drag a blue handle."));
     }
     fill(this.scenery, ...parts);
     this.moment(this.time, this.turns);

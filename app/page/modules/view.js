@@ -48,11 +48,27 @@ export function usual(parameter) {
   return [Math.max(lower, 0.2 * typical), Math.min(upper, 2 * typical)].sort((a, b) => a - b);
 }
 
-// A sentence about a value outside of what is usual, else "". What a parameter is by itself, or its question
-// begins with, is no cause for a warning.
+const ROOM = 0.2; // of a value, beyond it on its axis
+
+// The same view, its axes as wide as its values ask for.
+export function widened(view, { parameters }) {
+  const wide = (axis) => {
+    const value = view.values[axis?.name];
+    if (!(value < axis?.from || value > axis?.to)) return axis;
+    const { lower, upper } = parameters.find(({ name }) => name === axis.name);
+    const room = ROOM * Math.abs(value);
+    return { ...axis, from: Math.max(lower ?? -Infinity, Math.min(axis.from, value - room)), to: Math.min(upper ?? Infinity, Math.max(axis.to, value + room)) };
+  };
+  return { ...view, x: wide(view.x), y: wide(view.y) };
+}
+
+const MANY = 3; // times less or more than its question begins with is usual, too
+
+// A sentence about a value outside of what is usual, else "". What a parameter is by itself is no cause for a warning.
 export function unusual(parameter, value, begun = undefined) {
-  if (value === parameter.default || value === begun) return "";
-  const [low, high] = usual(parameter);
+  if (value === parameter.default) return "";
+  const ends = begun === undefined ? [] : [begun / MANY, MANY * begun];
+  const [low, high] = [Math.min(...usual(parameter), ...ends), Math.max(...usual(parameter), ...ends)];
   if (value >= low && value <= high) return "";
   const where = value < low ? "Below" : "Above";
   return `${where} the usual ${withUnit(low, parameter.unit)} to ${withUnit(high, parameter.unit)}.`;
@@ -97,11 +113,7 @@ export function shownParameters(scene, output, given = {}) {
     chosen.add(together ? stand : parameter.name);
   }
   // What has no value by itself and need not be given is left out until somebody gives it.
-  const isSet = ({ name, default: value, instead_of: names }) =>
-    value !== null ||
-    required.has(name) ||
-    name in given ||
-    (names ?? []).some((one) => required.has(one));
+  const isSet = ({ name, default: value, instead_of: names }) => value !== null || name in given || [name, ...(names ?? [])].some((one) => required.has(one));
   return scene.parameters.filter((parameter) => chosen.has(parameter.name) && isSet(parameter));
 }
 
@@ -113,12 +125,8 @@ export function furtherParameters(scene, output, given) {
   const needOthers = new Set(Object.values(COMPANIONS).flat());
   const shown = new Set(shownParameters(scene, output, given).map(({ name }) => name));
   const asked = scene.outputs.find((one) => one.name === output);
-  const replaced = new Set(
-    scene.parameters.filter(({ name }) => shown.has(name)).flatMap((one) => one.instead_of ?? []),
-  );
-  return scene.parameters.filter(
-    ({ name }) => asked?.asks.includes(name) && !shown.has(name) && !replaced.has(name) && !needOthers.has(name),
-  );
+  const replaced = new Set(scene.parameters.filter(({ name }) => shown.has(name)).flatMap((one) => one.instead_of ?? []));
+  return scene.parameters.filter(({ name }) => asked?.asks.includes(name) && !shown.has(name) && !replaced.has(name) && !needOthers.has(name));
 }
 
 function countOf(scene, stand, needed) {

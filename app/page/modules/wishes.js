@@ -145,17 +145,8 @@ export class Wishes {
     const left = Object.keys(view.values).filter((name) => !axes.includes(name) && !best.vary.some((row) => row.name === name));
     return this.group(
       "Variables and their bounds",
-      element("p", { class: "pale" }, `${capital(axes.map(words).join(" and "))}, within the axes of the picture.`),
-      ...best.vary.map((row, place) =>
-        element(
-          "div",
-          { class: "field" },
-          element("span", {}, label(row.name, parameter(row.name).unit)),
-          this.removal(best.vary, place, "vary", words(row.name)),
-          this.ends(row, ["from", "to"], words(row.name), parameter(row.name).unit),
-          this.complaint(`variables.${row.name}`),
-        ),
-      ),
+      element("p", { class: "pale" }, `${capital([...axes, ...best.vary.map(({ name }) => name)].map(words).join(", "))}: their bounds stand below the picture.`),
+      this.complaint("variables"),
       left.length
         ? choiceField("vary", "Add a parameter", [["", "Choose ..."], ...left.map((name) => [name, label(name, parameter(name).unit)])], "", (name) => {
             if (!name) return;

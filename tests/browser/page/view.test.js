@@ -5,7 +5,7 @@ import { test } from "node:test";
 
 import { usualBest } from "../../../app/page/modules/criterion.js";
 import { designOf, fromLink, pictureOf, toLink } from "../../../app/page/modules/link.js";
-import { givenValues, typical, unusual, usual } from "../../../app/page/modules/view.js";
+import { givenValues, typical, unusual, usual, widened } from "../../../app/page/modules/view.js";
 
 const VIEW = {
   question: "drive",
@@ -42,6 +42,17 @@ test("pictures differ by what is no axis, designs by every value", () => {
 
 test("a value that its question begins with is not unusual", () => {
   assert.equal(unusual({ name: "load", unit: "1", example: 1 }, 9, 9), "");
+  assert.equal(unusual({ name: "load", unit: "1", example: 1 }, 20, 9), "");
+  assert.match(unusual({ name: "load", unit: "1", example: 1 }, 30, 9), /^Above the usual/);
+});
+
+test("an axis reaches beyond a value that has left it, within the bounds", () => {
+  const scene = { parameters: [{ name: "frequency", lower: 0, upper: null }, { name: "gamma", lower: -90, upper: 90 }] };
+  const view = (frequency, gamma) => ({ x: { name: "frequency", from: 40, to: 60 }, y: { name: "gamma", from: -10, to: 10 }, values: { frequency, gamma } });
+  const ends = ({ x, y }) => [x.from, x.to, y.from, y.to];
+  assert.deepEqual(ends(widened(view(50, 0), scene)), [40, 60, -10, 10]);
+  assert.deepEqual(ends(widened(view(100, 80), scene)), [40, 120, -10, 90]);
+  assert.deepEqual(ends(widened(view(10, -20), scene)), [8, 60, -24, 10]);
 });
 
 test("each part of a link that makes no sense is said once", () => {
