@@ -371,9 +371,9 @@ def _check_disk_space(path: Path, prepared: Prepared, target: str) -> None:
     if unfinished.exists():  # what it takes is used again, or given back
         free += sum(part.stat().st_size for part in unfinished.rglob("*") if part.is_file())
     if size > MAX_TIMES_FREE * free:
-        message = f"the result has {_gb(size)} before compression; free in {file.parent} are only "
+        message = f"the result takes {_gb(size)} before compression; {file.parent} has only "
         fix = prepared.what_fits(MAX_TIMES_FREE * free / size)
-        refuse({path: [Problem("output", message + _gb(free), fix)]})
+        refuse({path: [Problem("output", f"{message}{_gb(free)} free", fix)]})
 
 
 MAX_TIMES_FREE = 8.0

@@ -194,7 +194,7 @@ def test_draining_refuses_new_work_and_answers_the_rest(serve):
     service = serve(drain_seconds=600)
     key = json.loads(service.ask("/sweeps", SWEEP))["id"]
     service.process.send_signal(signal.SIGTERM)
-    wait_for(lambda: "it stops" in str(refusal(lambda: service.ask("/readyz"), 503)))
+    wait_for(lambda: "is stopping" in str(refusal(lambda: service.ask("/readyz"), 503)))
     for ask in (lambda: service.ask("/sweeps", SWEEP), lambda: service.post(MOTION)):
         refusal(ask, 503, "problem:stopping")
     assert service.get(f"/sweeps/{key}")["id"] == key

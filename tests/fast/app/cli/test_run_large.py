@@ -132,7 +132,7 @@ Usage = namedtuple("Usage", "total used free")
 def test_what_the_disk_cannot_hold_is_refused_with_what_fits(here, name, monkeypatch):
     monkeypatch.setattr(shutil, "disk_usage", lambda path: Usage(10**9, 0, 25_000))
     told = said(f"run study.toml -o {name}", 2)
-    assert re.search(r"output: the result has \S+ GB before compression; free in", told)
+    assert re.search(r"output: the result takes \S+ GB before compression; \S+ has only", told)
     assert re.search(r"It fits with \d+ instead of 40 values of", told)
     assert [path.name for path in here.iterdir()] == ["study.toml"]
 
