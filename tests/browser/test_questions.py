@@ -75,7 +75,7 @@ def test_each_question_is_answered_on_top(page: Page, address: str, question: st
     page.set_viewport_size({"width": 1440, "height": 900})
     opened(page, f"{address}/#question={question}")
     answered(page, question)
-    assert page.evaluate("window.shifted") < MAX_SHIFT  # before the audits, which change the colours
+    assert page.evaluate("window.shifted") < MAX_SHIFT  # before the audits change colours
     answered(page, question, "light", "dark")
     for place in (NUMBER, SENTENCE):
         in_sight(page, page.locator(place), bottom=300)
