@@ -116,7 +116,8 @@ class ShownUnits:
     def text(self, value: float, unit: str, digits: int = 3) -> str:
         """Return a value with a readable unit; `unit` is the value's own."""
         shown = self.of(unit, abs(value))
-        return f"{shown.factor * value:.{digits}g} {shown.unit}".rstrip()
+        gap = "" if shown.unit in ("", "°") else " "
+        return f"{shown.factor * value:.{digits}g}{gap}{shown.unit}"
 
 
 def read_shown(words: Iterable[str]) -> ShownUnits:
